@@ -1,0 +1,1 @@
+"""The ltl package."""

@@ -1,0 +1,1 @@
+"""YAML text to a typed, frozen task with the place of every node."""
