@@ -2,36 +2,11 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import Field
 
-
-class Model(BaseModel):
-    """Frozen, closed: an unknown key is an error."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-def _number(value: object) -> object:
-    """Numbers as people write them: `1/3`, `60_000`, `1e6`."""
-    if isinstance(value, str):
-        text = value.replace("_", "").strip()
-        try:
-            return float(Fraction(text)) if "/" in text else float(text)
-        except (ValueError, ZeroDivisionError):
-            return value
-    return value
-
-
-def _whole(value: object) -> object:
-    number = _number(value)
-    return int(number) if isinstance(number, float) and number.is_integer() else number
-
-
-Number = Annotated[float, BeforeValidator(_number)]
-Whole = Annotated[int, BeforeValidator(_whole)]
+from tiloilc.spec.base import Model, Whole
 
 
 class Environment(Model):
