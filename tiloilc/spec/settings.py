@@ -93,8 +93,8 @@ class Settings(Model):
     def _fill(cls, given: object) -> object:
         if not isinstance(given, Mapping):
             return given
-        preset = given.get("preset", "default")
-        return {**PRESETS[preset], **given} if preset in PRESETS else given
+        preset = PRESETS.get(str(given.get("preset")), DEFAULT)
+        return {**preset, **given}
 
     def override(self, changes: Mapping[str, object]) -> Settings:
         """These settings with `changes`; another preset replaces what was not set apart from it.
