@@ -6,116 +6,150 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 
-@dataclass(frozen=True, slots=True)
-class Constant:
+class _Node:
+    """A formula compares by structure; its hash is computed once, so that caches stay cheap."""
+
+    __slots__ = ("_hash",)
+    __match_args__: tuple[str, ...] = ()
+
+    _hash: int
+
+    def __hash__(self) -> int:
+        try:
+            return self._hash
+        except AttributeError:
+            value = hash((type(self).__name__, self._parts()))
+            object.__setattr__(self, "_hash", value)
+            return value
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if not isinstance(other, _Node) or type(self) is not type(other):
+            return False
+        return hash(self) == hash(other) and self._parts() == other._parts()
+
+    def __reduce__(self) -> tuple[type, tuple[object, ...]]:
+        return type(self), tuple(getattr(self, name) for name in self.__match_args__)
+
+    def _parts(self) -> object:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Constant(_Node):
     """`true` or `false`."""
 
     value: bool
 
+    def _parts(self) -> object:
+        return self.value
 
-@dataclass(frozen=True, slots=True)
-class Proposition:
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposition(_Node):
     """An atomic proposition."""
 
     name: str
 
+    def _parts(self) -> object:
+        return self.name
 
-@dataclass(frozen=True, slots=True)
-class Not:
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unary(_Node):
+    """An operator with one operand."""
+
+    operand: Formula
+
+    def _parts(self) -> object:
+        return self.operand
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Binary(_Node):
+    """An operator with two operands."""
+
+    left: Formula
+    right: Formula
+
+    def _parts(self) -> object:
+        return (self.left, self.right)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Junction(_Node):
+    """An associative operator with two or more operands, in the written order."""
+
+    operands: tuple[Formula, ...]
+
+    def _parts(self) -> object:
+        return self.operands
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Not(Unary):
     """Negation."""
 
-    operand: Formula
+
+@dataclass(frozen=True, slots=True, eq=False)
+class And(Junction):
+    """Conjunction."""
 
 
-@dataclass(frozen=True, slots=True)
-class And:
-    """Conjunction of two or more formulas, in the written order."""
-
-    operands: tuple[Formula, ...]
+@dataclass(frozen=True, slots=True, eq=False)
+class Or(Junction):
+    """Disjunction."""
 
 
-@dataclass(frozen=True, slots=True)
-class Or:
-    """Disjunction of two or more formulas, in the written order."""
-
-    operands: tuple[Formula, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Implies:
+@dataclass(frozen=True, slots=True, eq=False)
+class Implies(Binary):
     """Implication."""
 
-    left: Formula
-    right: Formula
 
-
-@dataclass(frozen=True, slots=True)
-class Iff:
+@dataclass(frozen=True, slots=True, eq=False)
+class Iff(Binary):
     """Equivalence."""
 
-    left: Formula
-    right: Formula
 
-
-@dataclass(frozen=True, slots=True)
-class Xor:
+@dataclass(frozen=True, slots=True, eq=False)
+class Xor(Binary):
     """Exclusive disjunction."""
 
-    left: Formula
-    right: Formula
 
-
-@dataclass(frozen=True, slots=True)
-class Next:
+@dataclass(frozen=True, slots=True, eq=False)
+class Next(Unary):
     """X: at the next position."""
 
-    operand: Formula
 
-
-@dataclass(frozen=True, slots=True)
-class Eventually:
+@dataclass(frozen=True, slots=True, eq=False)
+class Eventually(Unary):
     """F: at some position from now on."""
 
-    operand: Formula
 
-
-@dataclass(frozen=True, slots=True)
-class Always:
+@dataclass(frozen=True, slots=True, eq=False)
+class Always(Unary):
     """G: at every position from now on."""
 
-    operand: Formula
 
-
-@dataclass(frozen=True, slots=True)
-class Until:
+@dataclass(frozen=True, slots=True, eq=False)
+class Until(Binary):
     """U: `right` comes, and `left` holds before."""
 
-    left: Formula
-    right: Formula
 
-
-@dataclass(frozen=True, slots=True)
-class WeakUntil:
+@dataclass(frozen=True, slots=True, eq=False)
+class WeakUntil(Binary):
     """W: `left` holds until `right` comes, or for ever."""
 
-    left: Formula
-    right: Formula
 
-
-@dataclass(frozen=True, slots=True)
-class Release:
+@dataclass(frozen=True, slots=True, eq=False)
+class Release(Binary):
     """R: `right` holds up to and including the position where `left` comes, or for ever."""
 
-    left: Formula
-    right: Formula
 
-
-@dataclass(frozen=True, slots=True)
-class StrongRelease:
+@dataclass(frozen=True, slots=True, eq=False)
+class StrongRelease(Binary):
     """M: `right` holds up to and including the position where `left` comes, and it comes."""
-
-    left: Formula
-    right: Formula
 
 
 Formula = (
