@@ -1,0 +1,32 @@
+"""The paper's environments and their scripted experts: plain Gymnasium, nothing of logic.
+
+Importing this package registers the environments. Each has a batched form (`gymnasium.make_vec`),
+whose state is arrays [n, …] and which never resets itself, and a single one (`gymnasium.make`),
+which is a view of a batch of one. Neither pays rewards or ends episodes: how long an episode is and
+what is to be done in it, the task file says.
+"""
+
+import gymnasium
+
+from tiloilc.tasks.finite import FiniteModel, finite_model
+from tiloilc.tasks.scene import Circle, Rectangle, Scene
+
+__all__ = ["IDS", "Circle", "FiniteModel", "Rectangle", "Scene", "finite_model"]
+
+_MODULES = {
+    "FlatWorld": "flatworld",
+    "GridAvoid": "grids",
+    "GridCircular": "grids",
+    "GridSequential": "grids",
+}
+
+IDS = tuple(f"tiloilc/{name}-v0" for name in _MODULES)
+"""The ids of all registered environments."""
+
+for _name, _module in _MODULES.items():
+    if f"tiloilc/{_name}-v0" not in gymnasium.registry:
+        gymnasium.register(
+            id=f"tiloilc/{_name}-v0",
+            entry_point=f"tiloilc.tasks.{_module}:{_name}Env",
+            vector_entry_point=f"tiloilc.tasks.{_module}:{_name}VectorEnv",
+        )
