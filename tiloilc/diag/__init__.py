@@ -2,8 +2,11 @@
 
 from tiloilc.diag.core import CompileError, Diagnostic, Severity, SourceText, Span, worst
 from tiloilc.diag.registry import RULES, Rule
+from tiloilc.diag.render import FORMATS, exit_status, render
+from tiloilc.diag.suggest import did_you_mean
 
 __all__ = [
+    "FORMATS",
     "RULES",
     "CompileError",
     "Diagnostic",
@@ -11,5 +14,8 @@ __all__ = [
     "Severity",
     "SourceText",
     "Span",
+    "did_you_mean",
+    "exit_status",
+    "render",
     "worst",
 ]

@@ -68,7 +68,13 @@ class Diagnostic:
 
     @classmethod
     def of(
-        cls, code: str, span: Span | None = None, *, label: str = "", help: str = "", **about: object
+        cls,
+        code: str,
+        span: Span | None = None,
+        *,
+        label: str = "",
+        help: str = "",
+        **about: object,
     ) -> Diagnostic:
         """A finding by its registered rule; `about` fills the rule's message template."""
         rule = RULES[code]

@@ -73,9 +73,9 @@ RULES: dict[str, Rule] = _rules(
         "swallowed-formula",
         "YAML swallows this text: {problem}",
         "A YAML value that begins with `!` is a tag, with `&` an anchor, with `*` an alias, with "
-        "`|` or `>` a block, with `[` or `{{` a collection; YAML never passes these characters on. "
-        "Likewise ` #` begins a comment and `: ` a mapping. Formulas use all of them, so put the "
-        'whole formula in double quotes: formula: "!a U b".',
+        "`|` or `>` a block, with `[` or `{` a collection; YAML never passes these characters on. "
+        "Formulas use many of them, so put the whole text in double quotes: "
+        'formula: "!a U b".',
     ),
     Rule(
         "SPEC105",
@@ -206,8 +206,9 @@ RULES: dict[str, Rule] = _rules(
         E,
         "proposition-name",
         "`{name}` cannot name a proposition",
-        "Names of propositions begin with a letter or underscore and go on with letters, digits "
-        "and underscores; `true` and `false` are taken.",
+        "`true`, `false`, `0` and `1` are constants of the formula language. A name must not be "
+        "empty, nor contain quotes, backslashes or control characters. A name that is not made of "
+        'letters, digits and underscores must be quoted in the formula: G "wp-0".',
     ),
     Rule(
         "SPEC122",
