@@ -1,0 +1,61 @@
+# The commands of the house; `make help` lists them. Everything is installed into $(VENV) first,
+# and again only when pyproject.toml or constraints.txt changes.
+#
+#   make PYTHON=python3.12 …   another interpreter (3.11 or later)
+#   make VENV=/some/folder …   another place for the virtual environment
+
+PYTHON  ?= python3
+VENV    ?= .venv
+SPEC    ?= specs/flatworld_cycle.yaml
+WORKERS ?= 2
+
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.installed
+PYTEST := $(BIN)/python -m pytest -n $(WORKERS) -ra --durations=10
+
+.DELETE_ON_ERROR:
+.PHONY: help setup run test quick check format constraints clean
+
+help:  ## list the commands
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
+
+setup: $(STAMP)  ## make the virtual environment and install everything, pinned
+
+$(STAMP): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "tiloilc needs Python 3.11 or later: make PYTHON=python3.11 …" >&2; exit 1; }
+	$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	  --constraint constraints.txt --editable '.[tensorboard,dev]'
+	@touch $@
+
+run: $(STAMP)  ## the main job: compile, train, evaluate and report SPEC (FlatWorld Cycle)
+	$(BIN)/tiloilc run $(SPEC)
+
+test: $(STAMP)  ## all tests, the slow ones too
+	$(PYTEST)
+
+quick: $(STAMP)  ## the tests of every day: all but the slow ones
+	$(PYTEST) -m "not slow"
+
+check: $(STAMP)  ## format, lint, types, imports
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(STAMP)  ## put every file into the one format, and mend what can be mended
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+constraints:  ## resolve every dependency afresh and write constraints.txt
+	$(PYTHON) -m venv --clear build/resolve
+	build/resolve/bin/python -m pip install --quiet "$$(grep '^torch==' constraints.txt)" \
+	  --editable '.[all,dev]'
+	{ grep '^#' constraints.txt; build/resolve/bin/python -m pip freeze --all --exclude pip \
+	  --exclude-editable | sed 's/+.*//'; } > build/constraints.txt
+	mv build/constraints.txt constraints.txt
+	rm -rf build/resolve
+
+clean:  ## remove what was built, not what was trained
+	rm -rf build dist *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
