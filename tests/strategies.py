@@ -1,4 +1,4 @@
-"""Random formulas and words: Hypothesis strategies, which shrink, and seeded generators, in bulk."""
+"""Random formulas and words: Hypothesis strategies, which shrink, and seeded generators."""
 
 from __future__ import annotations
 

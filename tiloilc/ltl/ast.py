@@ -32,6 +32,11 @@ class _Node:
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         return type(self), tuple(getattr(self, name) for name in self.__match_args__)
 
+    @property
+    def children(self) -> tuple[Formula, ...]:
+        """The operands, in the written order."""
+        return ()
+
     def _parts(self) -> object:
         raise NotImplementedError
 
@@ -62,6 +67,11 @@ class Unary(_Node):
 
     operand: Formula
 
+    @property
+    def children(self) -> tuple[Formula, ...]:
+        """The operand."""
+        return (self.operand,)
+
     def _parts(self) -> object:
         return self.operand
 
@@ -73,6 +83,11 @@ class Binary(_Node):
     left: Formula
     right: Formula
 
+    @property
+    def children(self) -> tuple[Formula, ...]:
+        """The operands, left first."""
+        return (self.left, self.right)
+
     def _parts(self) -> object:
         return (self.left, self.right)
 
@@ -82,6 +97,11 @@ class Junction(_Node):
     """An associative operator with two or more operands, in the written order."""
 
     operands: tuple[Formula, ...]
+
+    @property
+    def children(self) -> tuple[Formula, ...]:
+        """The operands, in the written order."""
+        return self.operands
 
     def _parts(self) -> object:
         return self.operands
@@ -190,11 +210,36 @@ def _junction(
     kept: dict[Formula, None] = {}
     for operand in operands:
         for part in operand.operands if isinstance(operand, kind) else (operand,):
-            if part == absorbing:
-                return absorbing
-            if part != neutral:
+            if isinstance(part, Constant):
+                if part.value == absorbing.value:
+                    return absorbing
+            else:
                 kept.setdefault(part)
     parts = tuple(kept)
     if not parts:
         return neutral
     return parts[0] if len(parts) == 1 else kind(parts)
+
+
+def subformulas(formula: Formula) -> tuple[Formula, ...]:
+    """Every distinct sub-formula once, operands before operators, `formula` last.
+
+    A pass that goes through them in this order finds the results of the operands ready: it needs
+    no recursion, so a deep formula cannot overflow the stack.
+    """
+    done: dict[Formula, None] = {}
+    waiting: list[tuple[Formula, bool]] = [(formula, False)]
+    while waiting:
+        part, entered = waiting.pop()
+        children = part.children
+        if entered or not children:
+            done.setdefault(part)
+        elif part not in done:
+            waiting.append((part, True))
+            waiting.extend([(child, False) for child in reversed(children)])
+    return tuple(done)
+
+
+def propositions_of(formula: Formula) -> tuple[str, ...]:
+    """The names of the propositions, in the order of their first appearance."""
+    return tuple(part.name for part in subformulas(formula) if isinstance(part, Proposition))

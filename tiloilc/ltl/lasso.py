@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 
 from tiloilc.ltl.ast import (
     Always,
@@ -28,6 +27,7 @@ from tiloilc.ltl.ast import (
     Until,
     WeakUntil,
     Xor,
+    subformulas,
 )
 
 Letter = int
@@ -58,65 +58,82 @@ class Lasso:
 
 
 def holds(formula: Formula, lasso: Lasso, propositions: Sequence[str]) -> bool:
-    """Whether `lasso` satisfies `formula`; bit i of a letter is `propositions[i]`."""
-    letters = lasso.letters
-    everywhere = (1 << len(letters)) - 1
-    last, back = len(letters) - 1, len(lasso.stem)
-    places = {
-        name: sum(1 << i for i, letter in enumerate(letters) if letter >> bit & 1)
-        for bit, name in enumerate(propositions)
-    }
+    """Whether `lasso` satisfies `formula`; bit i of a letter is `propositions[i]`.
 
-    def shifted(value: int) -> int:
-        return value >> 1 | (value >> back & 1) << last
+    Every proposition of the formula must be among `propositions`.
+    """
+    positions = _Positions(lasso)
+    truth: dict[Formula, int] = {}
+    for part in subformulas(formula):
+        if isinstance(part, Proposition):
+            assert part.name in propositions, f"`{part.name}` is not in the word's alphabet"
+            truth[part] = positions.where(propositions.index(part.name))
+        else:
+            truth[part] = _truth(part, [truth[child] for child in part.children], positions)
+    return bool(truth[formula] & 1)
 
-    def fixpoint(start: int, now: int, keep: int) -> int:
-        """The fixpoint of v = now | (keep & X v): least from 0, greatest from everywhere."""
+
+class _Positions:
+    """Sets of positions of one lasso, as bits."""
+
+    def __init__(self, lasso: Lasso) -> None:
+        self.letters = lasso.letters
+        self.everywhere = (1 << len(self.letters)) - 1
+        self.last = len(self.letters) - 1
+        self.back = len(lasso.stem)
+
+    def where(self, bit: int) -> int:
+        """The positions whose letter has `bit`."""
+        return sum(1 << i for i, letter in enumerate(self.letters) if letter >> bit & 1)
+
+    def before(self, value: int) -> int:
+        """The positions whose successor is in `value`: the last one is followed by the loop."""
+        return value >> 1 | (value >> self.back & 1) << self.last
+
+    def fixpoint(self, start: int, now: int, keep: int) -> int:
+        """The fixpoint of v = now | (keep & X v): least from nowhere, greatest from everywhere."""
         value = start
-        while (following := now | (keep & shifted(value))) != value:
+        while (following := now | (keep & self.before(value))) != value:
             value = following
         return value
 
-    @cache
-    def where(f: Formula) -> int:
-        match f:
-            case Proposition(name):
-                return places[name]
-            case Constant(value):
-                return everywhere if value else 0
-            case Not(operand):
-                return everywhere ^ where(operand)
-            case And(operands):
-                value = everywhere
-                for operand in operands:
-                    value &= where(operand)
-                return value
-            case Or(operands):
-                value = 0
-                for operand in operands:
-                    value |= where(operand)
-                return value
-            case Implies(left, right):
-                return (everywhere ^ where(left)) | where(right)
-            case Iff(left, right):
-                return everywhere ^ where(left) ^ where(right)
-            case Xor(left, right):
-                return where(left) ^ where(right)
-            case Next(operand):
-                return shifted(where(operand))
-            case Eventually(operand):
-                return fixpoint(0, where(operand), everywhere)
-            case Always(operand):
-                return fixpoint(everywhere, 0, where(operand))
-            case Until(left, right):
-                return fixpoint(0, where(right), where(left))
-            case WeakUntil(left, right):
-                return fixpoint(everywhere, where(right), where(left))
-            case Release(left, right):
-                both = where(left) & where(right)
-                return fixpoint(everywhere, both, where(right))
-            case StrongRelease(left, right):
-                both = where(left) & where(right)
-                return fixpoint(0, both, where(right))
 
-    return bool(where(formula) & 1)
+def _truth(part: Formula, truth: list[int], positions: _Positions) -> int:
+    """Where `part` holds, if its operands hold at the positions `truth`."""
+    everywhere, fixpoint = positions.everywhere, positions.fixpoint
+    match part:
+        case Constant(value):
+            return everywhere if value else 0
+        case Not():
+            return everywhere ^ truth[0]
+        case And():
+            common = everywhere
+            for operand in truth:
+                common &= operand
+            return common
+        case Or():
+            union = 0
+            for operand in truth:
+                union |= operand
+            return union
+        case Implies():
+            return everywhere ^ truth[0] | truth[1]
+        case Iff():
+            return everywhere ^ truth[0] ^ truth[1]
+        case Xor():
+            return truth[0] ^ truth[1]
+        case Next():
+            return positions.before(truth[0])
+        case Eventually():
+            return fixpoint(0, truth[0], everywhere)
+        case Always():
+            return fixpoint(everywhere, 0, truth[0])
+        case Until():
+            return fixpoint(0, truth[1], truth[0])
+        case WeakUntil():
+            return fixpoint(everywhere, truth[1], truth[0])
+        case Release():
+            return fixpoint(everywhere, truth[0] & truth[1], truth[1])
+        case StrongRelease():
+            return fixpoint(0, truth[0] & truth[1], truth[1])
+    raise AssertionError(f"not an operator: {part!r}")

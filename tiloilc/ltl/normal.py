@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 from tiloilc.ltl.ast import (
+    FALSE,
+    TRUE,
     Always,
     And,
     Constant,
@@ -23,56 +23,92 @@ from tiloilc.ltl.ast import (
     Xor,
     conjunction,
     disjunction,
+    subformulas,
 )
 
 
 def nnf(formula: Formula) -> Formula:
-    """`formula` without ->, <-> and xor, negation on propositions only.
+    """`formula` without ->, <-> and xor, and with negation on propositions only.
 
-    F, G, U, W, R, M, X are kept, junctions come out flat and in the written order. Equal
-    sub-formulas become one object, so that a tower of <-> takes linear space.
+    F, G, U, W, R, M, X are kept; junctions come out flat and in the written order. Equal parts of
+    the result are one object, so that a tower of <-> takes linear space.
     """
+    return _both_signs(formula)[0]
 
-    @cache
-    def go(f: Formula, positive: bool) -> Formula:
-        match f:
-            case Proposition():
-                return f if positive else Not(f)
-            case Constant(value):
-                return Constant(value == positive)
-            case Not(operand):
-                return go(operand, not positive)
-            case And(operands):
-                return (conjunction if positive else disjunction)(go(o, positive) for o in operands)
-            case Or(operands):
-                return (disjunction if positive else conjunction)(go(o, positive) for o in operands)
-            case Implies(left, right):
-                join = disjunction if positive else conjunction
-                return join((go(left, not positive), go(right, positive)))
-            case Iff(left, right):
-                return same(left, right, positive)
-            case Xor(left, right):
-                return same(left, right, not positive)
-            case Next(operand):
-                return Next(go(operand, positive))
-            case Eventually(operand):
-                return (Eventually if positive else Always)(go(operand, positive))
-            case Always(operand):
-                return (Always if positive else Eventually)(go(operand, positive))
-            case Until(left, right):
-                return (Until if positive else Release)(go(left, positive), go(right, positive))
-            case Release(left, right):
-                return (Release if positive else Until)(go(left, positive), go(right, positive))
-            case WeakUntil(left, right):
-                kind = WeakUntil if positive else StrongRelease
-                return kind(go(left, positive), go(right, positive))
-            case StrongRelease(left, right):
-                strong = StrongRelease if positive else WeakUntil
-                return strong(go(left, positive), go(right, positive))
 
-    def same(left: Formula, right: Formula, positive: bool) -> Formula:
-        both = conjunction((go(left, True), go(right, positive)))
-        neither = conjunction((go(left, False), go(right, not positive)))
-        return disjunction((both, neither))
+def negation(formula: Formula) -> Formula:
+    """The negation normal form of `!formula`."""
+    return _both_signs(formula)[1]
 
-    return go(formula, True)
+
+def _both_signs(formula: Formula) -> tuple[Formula, Formula]:
+    """The normal forms of `formula` and of its negation."""
+    signed: dict[Formula, tuple[Formula, Formula]] = {}
+    for part in subformulas(formula):
+        operands = [signed[child] for child in part.children]
+        signed[part] = _positive(part, operands), _negative(part, operands)
+    return signed[formula]
+
+
+def _positive(part: Formula, operands: list[tuple[Formula, Formula]]) -> Formula:
+    """`part` over normal forms (of the operand, of its negation)."""
+    match part:
+        case Constant() | Proposition():
+            return part
+        case Not():
+            return operands[0][1]
+        case And():
+            return conjunction([yes for yes, _ in operands])
+        case Or():
+            return disjunction([yes for yes, _ in operands])
+        case Next() | Eventually() | Always():
+            return type(part)(operands[0][0])
+        case Until() | WeakUntil() | Release() | StrongRelease():
+            return type(part)(operands[0][0], operands[1][0])
+    (left, not_left), (right, not_right) = operands
+    match part:
+        case Implies():
+            return disjunction((not_left, right))
+        case Iff():
+            return disjunction((conjunction((left, right)), conjunction((not_left, not_right))))
+        case Xor():
+            return disjunction((conjunction((left, not_right)), conjunction((not_left, right))))
+    raise AssertionError(f"not an operator: {part!r}")
+
+
+def _negative(part: Formula, operands: list[tuple[Formula, Formula]]) -> Formula:
+    """The negation of `part` over normal forms (of the operand, of its negation)."""
+    match part:
+        case Constant(value):
+            return FALSE if value else TRUE
+        case Proposition():
+            return Not(part)
+        case Not():
+            return operands[0][0]
+        case And():
+            return disjunction([no for _, no in operands])
+        case Or():
+            return conjunction([no for _, no in operands])
+        case Next():
+            return Next(operands[0][1])
+        case Eventually():
+            return Always(operands[0][1])
+        case Always():
+            return Eventually(operands[0][1])
+    (left, not_left), (right, not_right) = operands
+    match part:
+        case Until():
+            return Release(not_left, not_right)
+        case Release():
+            return Until(not_left, not_right)
+        case WeakUntil():
+            return StrongRelease(not_left, not_right)
+        case StrongRelease():
+            return WeakUntil(not_left, not_right)
+        case Implies():
+            return conjunction((left, not_right))
+        case Iff():
+            return disjunction((conjunction((left, not_right)), conjunction((not_left, right))))
+        case Xor():
+            return disjunction((conjunction((left, right)), conjunction((not_left, not_right))))
+    raise AssertionError(f"not an operator: {part!r}")

@@ -1,9 +1,11 @@
-"""Progression: what is left to satisfy after a letter (Esparza, Křetínský, Sickert, LICS 2018, 4)."""
+"""Progression: what is left to satisfy after a letter.
+
+Esparza, Křetínský and Sickert, One Theorem to Rule Them All (LICS 2018), section 4.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Set as AbstractSet
-from functools import cache
 
 from tiloilc.ltl.ast import (
     Always,
@@ -21,63 +23,52 @@ from tiloilc.ltl.ast import (
     WeakUntil,
     conjunction,
     disjunction,
+    subformulas,
 )
 
 
 def unfold(formula: Formula) -> Formula:
     """The expansion laws, applied outside every X: `F a` becomes `a | X F a`. NNF in, NNF out."""
-
-    @cache
-    def go(f: Formula) -> Formula:
-        match f:
-            case And(operands):
-                return conjunction(go(o) for o in operands)
-            case Or(operands):
-                return disjunction(go(o) for o in operands)
-            case Eventually(operand):
-                return disjunction((go(operand), Next(f)))
-            case Always(operand):
-                return conjunction((go(operand), Next(f)))
-            case Until(left, right) | WeakUntil(left, right):
-                return disjunction((go(right), conjunction((go(left), Next(f)))))
-            case Release(left, right) | StrongRelease(left, right):
-                return conjunction((go(right), disjunction((go(left), Next(f)))))
-            case _:
-                return f
-
-    return go(formula)
+    done: dict[Formula, Formula] = {}
+    for part in subformulas(formula):
+        done[part] = _expand(part, done, Next(part))
+    return done[formula]
 
 
 def after(formula: Formula, letter: AbstractSet[str]) -> Formula:
-    """af(formula, letter): w satisfies it just if letter · w satisfies `formula`.
+    """af(formula, letter): a word w satisfies it just if letter · w satisfies `formula`.
 
     `formula` in negation normal form; `letter` names the propositions that hold.
     """
-
-    @cache
-    def go(f: Formula) -> Formula:
-        match f:
-            case Constant():
-                return f
+    done: dict[Formula, Formula] = {}
+    for part in subformulas(formula):
+        match part:
             case Proposition(name):
-                return Constant(name in letter)
+                done[part] = Constant(name in letter)
             case Not(Proposition(name)):
-                return Constant(name not in letter)
-            case And(operands):
-                return conjunction(go(o) for o in operands)
-            case Or(operands):
-                return disjunction(go(o) for o in operands)
+                done[part] = Constant(name not in letter)
             case Next(operand):
-                return operand
-            case Eventually(operand):
-                return disjunction((go(operand), f))
-            case Always(operand):
-                return conjunction((go(operand), f))
-            case Until(left, right) | WeakUntil(left, right):
-                return disjunction((go(right), conjunction((go(left), f))))
-            case Release(left, right) | StrongRelease(left, right):
-                return conjunction((go(right), disjunction((go(left), f))))
+                done[part] = operand
             case _:
-                raise AssertionError(f"not in negation normal form: {f!r}")
+                done[part] = _expand(part, done, part)
+    return done[formula]
 
-    return go(formula)
+
+def _expand(part: Formula, done: dict[Formula, Formula], later: Formula) -> Formula:
+    """The expansion law of `part`: its operands as in `done` now, `later` for itself later."""
+    match part:
+        case And(operands):
+            return conjunction([done[operand] for operand in operands])
+        case Or(operands):
+            return disjunction([done[operand] for operand in operands])
+        case Eventually(operand):
+            return disjunction((done[operand], later))
+        case Always(operand):
+            return conjunction((done[operand], later))
+        case Until(left, right) | WeakUntil(left, right):
+            return disjunction((done[right], conjunction((done[left], later))))
+        case Release(left, right) | StrongRelease(left, right):
+            return conjunction((done[right], disjunction((done[left], later))))
+        case Constant() | Proposition() | Not(Proposition()) | Next():
+            return part
+    raise AssertionError(f"not in negation normal form: {part!r}")
