@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import os
 
-# Before numpy and torch are imported, here and in the programs that tests start: one thread a
-# process. Two test workers on two cores then do not wait for each other, and sums do not depend
-# on the number of cores.
-for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ[_variable] = "1"
-os.environ["MPLBACKEND"] = "Agg"
-
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
 
 ROOT = Path(__file__).resolve().parent.parent
+
+# Set before a test module imports numpy or torch, and for the programs that tests start: one
+# thread a process. Two test workers on two cores then do not wait for each other, and sums do not
+# depend on the number of cores.
+for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_variable] = "1"
+os.environ["MPLBACKEND"] = "Agg"
 
 # No deadlines: a busy machine is not a bug. With CI set, the same examples each time, so that a
 # change is judged by what it changed; without, new ones, so that bugs are found.
