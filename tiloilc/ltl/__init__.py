@@ -3,15 +3,21 @@
 from tiloilc.ltl.ast import propositions_of, subformulas
 from tiloilc.ltl.lasso import Lasso, holds
 from tiloilc.ltl.normal import negation, nnf
+from tiloilc.ltl.parser import Parsed, parse
+from tiloilc.ltl.printer import name_text, to_text
 from tiloilc.ltl.progress import after, unfold
 
 __all__ = [
     "Lasso",
+    "Parsed",
     "after",
     "holds",
+    "name_text",
     "negation",
     "nnf",
+    "parse",
     "propositions_of",
     "subformulas",
+    "to_text",
     "unfold",
 ]
