@@ -8,10 +8,21 @@ what is to be done in it, the task file says.
 
 import gymnasium
 
+from tiloilc.tasks.experts import Expert, Progress, experts_of
 from tiloilc.tasks.finite import FiniteModel, finite_model
 from tiloilc.tasks.scene import Circle, Rectangle, Scene
 
-__all__ = ["IDS", "Circle", "FiniteModel", "Rectangle", "Scene", "finite_model"]
+__all__ = [
+    "IDS",
+    "Circle",
+    "Expert",
+    "FiniteModel",
+    "Progress",
+    "Rectangle",
+    "Scene",
+    "experts_of",
+    "finite_model",
+]
 
 _MODULES = {
     "FlatWorld": "flatworld",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -13,6 +13,7 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from tiloilc.tasks.experts import Expert
 from tiloilc.tasks.finite import FiniteModel
 from tiloilc.tasks.scene import Pixels, Scene, rasterise
 
@@ -28,7 +29,7 @@ class BatchedEnv(VectorEnv[Array, Array, Array]):
     `reset(seed=s + i)`, bit for bit; a sequence of n seeds gives each copy its own.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {
+    metadata: dict[str, Any] = {  # noqa: RUF012  # as Gymnasium declares it
         "render_modes": ["rgb_array"],
         "render_fps": 10,
         "autoreset_mode": AutoresetMode.DISABLED,
@@ -57,7 +58,7 @@ class BatchedEnv(VectorEnv[Array, Array, Array]):
         self._seeds: list[int | None] = [None] * num_envs
         self._state: Array | None = None
 
-    def reset(  # type: ignore[override]  # a sequence of seeds, as SyncVectorEnv takes it
+    def reset(
         self,
         *,
         seed: int | Sequence[int | None] | None = None,
@@ -90,7 +91,7 @@ class BatchedEnv(VectorEnv[Array, Array, Array]):
         none = np.zeros(self.num_envs, np.bool_)
         return self._observe(self._state), np.zeros(self.num_envs), none, none.copy(), {}
 
-    def render(self) -> tuple[Pixels, ...] | None:  # type: ignore[override]
+    def render(self) -> tuple[Pixels, ...] | None:
         """One picture a copy, uint8 [256, w, 3]; None without render mode."""
         if self.render_mode is None:
             return None
@@ -119,6 +120,10 @@ class BatchedEnv(VectorEnv[Array, Array, Array]):
     @abstractmethod
     def scene(self) -> Scene:
         """What there is to see."""
+
+    @abstractmethod
+    def experts(self) -> tuple[Expert, ...]:
+        """Scripted experts, one for each task the world is used for."""
 
     @abstractmethod
     def finite_model(self) -> FiniteModel:
@@ -166,7 +171,10 @@ class BatchedEnv(VectorEnv[Array, Array, Array]):
 class SingleEnv(gymnasium.Env[Array, Any]):
     """One copy of a batched task as an ordinary Gymnasium environment."""
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 10}
+    metadata: dict[str, Any] = {  # noqa: RUF012  # as Gymnasium declares it
+        "render_modes": ["rgb_array"],
+        "render_fps": 10,
+    }
 
     def __init__(self, batched: BatchedEnv) -> None:
         self.batched = batched
@@ -189,7 +197,7 @@ class SingleEnv(gymnasium.Env[Array, Any]):
         observations, _, _, _, info = self.batched.step(np.asarray(action)[None])
         return observations[0], 0.0, False, False, info
 
-    def render(self) -> Pixels | None:  # type: ignore[override]
+    def render(self) -> Pixels | None:
         """A picture, uint8 [256, w, 3]; None without render mode."""
         frames = self.batched.render()
         return None if frames is None else frames[0]
@@ -197,6 +205,10 @@ class SingleEnv(gymnasium.Env[Array, Any]):
     def scene(self) -> Scene:
         """What there is to see."""
         return self.batched.scene()
+
+    def experts(self) -> tuple[Expert, ...]:
+        """Scripted experts, one for each task the world is used for."""
+        return self.batched.experts()
 
     def finite_model(self) -> FiniteModel:
         """The task as a finite deterministic model."""

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from gymnasium.spaces import Box
 
 from tiloilc.tasks.batched import Array, BatchedEnv, SingleEnv
+from tiloilc.tasks.experts import Expert, PointExpert, Waypoint
 from tiloilc.tasks.finite import FiniteModel
 from tiloilc.tasks.scene import Circle, Scene
 
@@ -26,6 +27,14 @@ BLUE = Circle("b", "#5b8fd6", (0.0, 0.0), 0.8)
 DISCS = (RED, GREEN, YELLOW, BLUE)
 """A state is in a disc iff its distance from the centre is less than the radius. Blue overlaps the
 inner parts of red and yellow: there a state is in two."""
+
+CLEARANCE = 0.85
+"""Experts keep this far from the middle of blue: its radius and a margin."""
+
+AT_RED = Waypoint((0.5, -0.85), 0.17)
+AT_GREEN = Waypoint((0.45, 0.95), 0.2)
+AT_YELLOW = Waypoint((-0.9, 0.2), 0.2)
+"""Well inside each disc, and away from blue."""
 
 LATTICE_STEPS = 4
 """Lattice points that a full action moves: 0.1 m apart at the usual dt."""
@@ -65,6 +74,20 @@ class FlatWorldVectorEnv(BatchedEnv):
     def scene(self) -> Scene:
         """Blue, then the three discs to be visited over it."""
         return Scene((-BOUND, -BOUND, BOUND, BOUND), (BLUE, RED, GREEN, YELLOW))
+
+    def experts(self) -> tuple[Expert, ...]:
+        """One a task: stay in yellow; two rounds red, green, yellow; yellow or red, then green."""
+        return (
+            PointExpert("stabilization", ((AT_YELLOW,),), self.dt, CLEARANCE, dwell=None),
+            PointExpert("cycle", ((AT_RED, AT_GREEN, AT_YELLOW),), self.dt, CLEARANCE, laps=2),
+            PointExpert(
+                "disjunction",
+                ((AT_YELLOW, AT_GREEN), (AT_RED, AT_GREEN)),
+                self.dt,
+                CLEARANCE,
+                dwell=3,
+            ),
+        )
 
     def finite_model(self) -> FiniteModel:
         """A lattice of positions that full and partial actions move between."""
@@ -112,7 +135,7 @@ class FlatWorldVectorEnv(BatchedEnv):
         if actions.shape != state.shape:
             raise ValueError(f"actions must have shape {state.shape}, not {actions.shape}")
         push = np.clip(actions.astype(np.float32), -1.0, 1.0) * np.float32(self.dt)
-        return np.clip(state + push, -BOUND, BOUND)
+        return np.asarray(np.clip(state + push, -BOUND, BOUND))
 
     def _observe(self, state: Array) -> Array:
         return state.copy()

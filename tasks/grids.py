@@ -11,6 +11,7 @@ import numpy.typing as npt
 from gymnasium.spaces import Discrete, MultiDiscrete
 
 from tiloilc.tasks.batched import Array, BatchedEnv, SingleEnv
+from tiloilc.tasks.experts import Expert, GridExpert, grid_distances
 from tiloilc.tasks.finite import FiniteModel
 from tiloilc.tasks.scene import Rectangle, Scene
 
@@ -75,7 +76,8 @@ class Grid:
         """(x, y) of each cell, [n, 2]."""
         width, height = self.size
         number = np.arange(width * height)
-        return np.stack([number // height, number % height], axis=-1) + np.array(self.whole.low)
+        cells = np.stack([number // height, number % height], axis=-1)
+        return np.asarray(cells + np.array(self.whole.low), np.int64)
 
     @cached_property
     def blocked(self) -> npt.NDArray[np.bool_]:
@@ -84,7 +86,7 @@ class Grid:
 
     @cached_property
     def successor(self) -> npt.NDArray[np.int64]:
-        """The cell after each action, [n, 5]; a move out of the grid or into a wall does nothing."""
+        """The cell after each action, [n, 5]; a move into a wall or out of the grid is none."""
         target = self.cells[:, None, :] + np.array(MOVES)
         inside = self.whole.contains(target)
         number = np.where(inside, self.number(np.where(inside[..., None], target, 0)), 0)
@@ -105,12 +107,17 @@ class Grid:
 
 
 class GridVectorEnv(BatchedEnv):
-    """n walkers on a grid; five actions (see MOVES); the observation is (x, y), int64."""
+    """n walkers on a grid; five actions (see MOVES); the observation is (x, y), int64.
 
-    def __init__(self, grid: Grid, num_envs: int, render_mode: str | None) -> None:
-        space = MultiDiscrete(grid.size, start=grid.whole.low)
+    `tour` names what there is to do; a `cyclic` one goes on with the first zone after the last.
+    """
+
+    def __init__(
+        self, grid: Grid, num_envs: int, render_mode: str | None, *, tour: str, cyclic: bool = False
+    ) -> None:
+        space = MultiDiscrete(list(grid.size), start=list(grid.whole.low))
         super().__init__(num_envs, space, Discrete(len(MOVES)), render_mode)
-        self.grid = grid
+        self.grid, self.tour, self.cyclic = grid, tour, cyclic
         self.observation_fields = {"x": 0, "y": 1}
 
     def scene(self) -> Scene:
@@ -122,6 +129,22 @@ class GridVectorEnv(BatchedEnv):
             zone.drawn(ZONE_COLORS[i % len(ZONE_COLORS)]) for i, zone in enumerate(self.grid.zones)
         ]
         return Scene((*outer.low, *outer.high), tuple(shapes))
+
+    def experts(self) -> tuple[Expert, ...]:
+        """One that visits the zones in order: twice if they form a cycle, else to stay there."""
+        allowed = ~self.grid.blocked & ~self.grid.any_of(self.grid.hazards)
+        zones = tuple(zone.contains(self.grid.cells) for zone in self.grid.zones)
+        expert = GridExpert(
+            name=self.tour,
+            distances=grid_distances(self.grid.successor, allowed, zones),
+            successor=self.grid.successor,
+            allowed=allowed,
+            corner=self.grid.whole.low,
+            height=self.grid.size[1],
+            laps=2 if self.cyclic else 1,
+            dwell=0 if self.cyclic else 3,
+        )
+        return (expert,)
 
     def finite_model(self) -> FiniteModel:
         """The grid itself."""
@@ -152,7 +175,7 @@ class GridVectorEnv(BatchedEnv):
 
 
 class GridAvoidVectorEnv(GridVectorEnv):
-    """A corridor y = 0 from (0, 0): zone a begins `distance` cells on, all beside it is hazard z."""
+    """A corridor y = 0 from (0, 0): zone a begins `distance` cells on, beside it is hazard z."""
 
     def __init__(
         self, num_envs: int = 1, *, distance: int = 7, render_mode: str | None = None
@@ -166,7 +189,7 @@ class GridAvoidVectorEnv(GridVectorEnv):
             zones=(Region("a", (distance, 0), (end, 0)),),
             hazards=(Region("z", (0, -3), (end, -1)), Region("z", (0, 1), (end, 3))),
         )
-        super().__init__(grid, num_envs, render_mode)
+        super().__init__(grid, num_envs, render_mode, tour="avoid")
 
 
 class GridSequentialVectorEnv(GridVectorEnv):
@@ -185,11 +208,11 @@ class GridSequentialVectorEnv(GridVectorEnv):
                 for i, name in enumerate(NAMES[:zones], start=1)
             ),
         )
-        super().__init__(grid, num_envs, render_mode)
+        super().__init__(grid, num_envs, render_mode, tour="sequential")
 
 
 class GridCircularVectorEnv(GridVectorEnv):
-    """A cross of five 7×7 squares: the middle one blocked, zones a, b, c, d east, north, west, south.
+    """A cross of five 7×7 squares: the middle blocked, zones a, b, c, d east, north, west, south.
 
     zones    how many of the four are named (the paper's difficulty)
     core     cells along a side of a zone, in the middle of its square; odd, at most 7
@@ -226,7 +249,7 @@ class GridCircularVectorEnv(GridVectorEnv):
             ),
             walls=tuple(walls),
         )
-        super().__init__(grid, num_envs, render_mode)
+        super().__init__(grid, num_envs, render_mode, tour="circular", cyclic=True)
 
 
 class GridAvoidEnv(SingleEnv):

@@ -1,1 +1,27 @@
-"""The demos package."""
+"""Demonstrations: read, write, record, and replay through the automaton."""
+
+from tiloilc.demos.checks import check_replays, check_shape, is_needed
+from tiloilc.demos.files import load, save
+from tiloilc.demos.model import Demo, DemoSet
+from tiloilc.demos.recording import expert_names, record
+from tiloilc.demos.replay import Labels, Replay, best_run, replay, replay_all
+from tiloilc.demos.sources import bundled, demonstrations_for
+
+__all__ = [
+    "Demo",
+    "DemoSet",
+    "Labels",
+    "Replay",
+    "best_run",
+    "bundled",
+    "check_replays",
+    "check_shape",
+    "demonstrations_for",
+    "expert_names",
+    "is_needed",
+    "load",
+    "record",
+    "replay",
+    "replay_all",
+    "save",
+]

@@ -1,0 +1,146 @@
+"""Demonstrations made by the scripted experts that an environment publishes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tiloilc import __version__
+from tiloilc.demos.model import Demo, DemoSet, Floats
+from tiloilc.diag import CompileError, Diagnostic, Span
+
+if TYPE_CHECKING:
+    import gymnasium
+
+    from tiloilc.tasks import Expert
+
+MAX_TRIES = 20
+"""Episodes per demonstration kept: an expert that finishes less often than that is broken."""
+
+
+def record(
+    environment: str,
+    kwargs: Mapping[str, Any] | None = None,
+    *,
+    horizon: int,
+    expert: str | None = None,
+    count: int = 5,
+    seed: int = 0,
+    span: Span | None = None,
+) -> DemoSet:
+    """Let an expert act in `count` episodes of at most `horizon` steps and keep what it does.
+
+    `expert` names one of those that the environment publishes; None: its first. An episode in
+    which the expert does not finish its rounds is kept only if no later one is better: up to
+    MAX_TRIES are tried. Episode i begins with `reset(seed=seeds[i])`, the expert's own noise is
+    drawn from the same seed. Raises CompileError DEMO506 if there is no such expert.
+    """
+    import gymnasium
+
+    env = _make(environment, kwargs or {})
+    chosen = _choose(env, environment, expert, span)
+    episodes: list[Demo] = []
+    seeds: list[int] = []
+    unfinished: list[tuple[Demo, int]] = []
+    for trial in range(seed, seed + MAX_TRIES * count):
+        if len(episodes) == count:
+            break
+        demo, finished = _episode(env, chosen, horizon, trial)
+        if finished:
+            episodes.append(demo)
+            seeds.append(trial)
+        else:
+            unfinished.append((demo, trial))
+    for demo, trial in unfinished[: count - len(episodes)]:
+        episodes.append(demo)
+        seeds.append(trial)
+    env.close()
+    meta = {
+        "schema_version": 1,
+        "environment": {"id": environment, "kwargs": dict(kwargs or {}), "horizon": horizon},
+        "expert": chosen.name,
+        "fields": _fields(env),
+        "seeds": seeds,
+        "steps": [demo.steps for demo in episodes],
+        "versions": {
+            "gymnasium": gymnasium.__version__,
+            "numpy": np.__version__,
+            "tiloilc": __version__,
+        },
+    }
+    return DemoSet(tuple(episodes), meta)
+
+
+def expert_names(environment: str, kwargs: Mapping[str, Any] | None = None) -> tuple[str, ...]:
+    """The experts that an environment publishes; empty if it has none."""
+    from tiloilc.tasks import experts_of
+
+    env = _make(environment, kwargs or {})
+    names = tuple(expert.name for expert in experts_of(env))
+    env.close()
+    return names
+
+
+def _make(environment: str, kwargs: Mapping[str, Any]) -> gymnasium.Env[Any, Any]:
+    import gymnasium
+
+    if environment.startswith("tiloilc/"):
+        import tiloilc.tasks  # noqa: F401  # registers the environments
+    return gymnasium.make(environment, disable_env_checker=True, **kwargs)
+
+
+def _choose(
+    env: gymnasium.Env[Any, Any], environment: str, name: str | None, span: Span | None
+) -> Expert:
+    from tiloilc.tasks import experts_of
+
+    experts = experts_of(env)
+    for expert in experts:
+        if name in (None, expert.name):
+            return expert
+    known = ", ".join(expert.name for expert in experts)
+    raise CompileError(
+        Diagnostic.of(
+            "DEMO506", span, environment=environment, help=f"its experts: {known}" if known else ""
+        )
+    )
+
+
+def _episode(
+    env: gymnasium.Env[Any, Any], expert: Expert, horizon: int, seed: int
+) -> tuple[Demo, bool]:
+    """One episode, and whether the expert finished its rounds in it."""
+    from gymnasium.spaces.utils import flatten
+
+    structured = env.observation_space.shape is None
+
+    def flat(observation: Any) -> Floats:
+        row = flatten(env.observation_space, observation) if structured else observation
+        return np.array(row, np.float32).reshape(-1)
+
+    generator = np.random.default_rng(seed)
+    observation, _ = env.reset(seed=seed)
+    progress = expert.begin(observation, generator)
+    observations, actions = [flat(observation)], []
+    for _ in range(horizon):
+        action, progress = expert.act(observation, progress, generator)
+        if progress.done:
+            break
+        observation, _, terminated, truncated, _ = env.step(action)
+        observations.append(flat(observation))
+        actions.append(np.asarray(action))
+        if terminated or truncated:
+            break
+    _, progress = expert.act(observation, progress, generator)
+    taken = np.array(actions) if actions else None
+    return Demo(np.array(observations, np.float32), taken), progress.laps >= expert.laps
+
+
+def _fields(env: gymnasium.Env[Any, Any]) -> dict[str, list[int]]:
+    published: Mapping[str, slice | int] = getattr(env.unwrapped, "observation_fields", {})
+    return {
+        name: [place, place + 1] if isinstance(place, int) else [place.start, place.stop]
+        for name, place in sorted(published.items())
+    }

@@ -1,0 +1,137 @@
+"""The best that any policy can do in a finite model, by exact backward induction.
+
+The product of the model and the automaton is walked backwards from the horizon: with h steps left,
+
+    V_h(s, b) = max over actions a of W_h(s'),   s' = successor(s, a),
+    W_h(s')   = max over b' in options(b, L(s')) of [b' accepting] + V_{h-1}(s', b'),
+
+so ε-jumps are chosen as well as actions can choose them. What is counted is what the evaluation
+counts: accepting automaton states arrived in at steps 1 to T. The state after the first label is
+none of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from tiloilc.automaton.ldba import Ldba
+from tiloilc.product.walk import walk_tables
+
+if TYPE_CHECKING:
+    from tiloilc.tasks import FiniteModel
+
+Int: TypeAlias = npt.NDArray[np.int64]
+Value: TypeAlias = npt.NDArray[np.int32]
+Labels: TypeAlias = Callable[[npt.NDArray[np.float32]], Int]
+
+MAX_WORK = 4_000_000_000
+"""Table entries looked at in one induction, about a minute's worth; more is not attempted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Optimum:
+    """The greatest mean number of accepting visits in an episode.
+
+    `exact`: no policy can do better; otherwise the value is a bound, and `how` says which.
+    """
+
+    accepting_visits: float
+    exact: bool
+    how: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BestEpisode:
+    """One episode that reaches the optimum: model states [T+1], action columns [T], and the
+    automaton states [T+1], the first after the first label.
+    """
+
+    model_states: Int
+    actions: Int
+    automaton_states: Int
+
+
+def optimum(model: FiniteModel, letters: Int, ldba: Ldba, horizon: int) -> Optimum:
+    """The optimum of `model`, whose state s is labelled `letters[s]`, in `horizon` steps."""
+    options = _options(ldba, letters)
+    accepting = _accepting(ldba)
+    value = np.zeros((len(letters), len(ldba.states)), np.int32)
+    for _ in range(horizon):
+        value = _backward(model, _arrival(value, options, accepting))
+    start = value[model.initial[:, None], options[ldba.initial, model.initial]].max(axis=1)
+    return Optimum(float(start.mean()), model.exact, model.how)
+
+
+def best_episode(
+    model: FiniteModel, letters: Int, ldba: Ldba, horizon: int, start: int = 0
+) -> BestEpisode:
+    """An episode from the model's initial state number `start` that reaches its optimum."""
+    options = _options(ldba, letters)
+    accepting = _accepting(ldba)
+    values = [np.zeros((len(letters), len(ldba.states)), np.int32)]
+    for _ in range(horizon):
+        values.append(_backward(model, _arrival(values[-1], options, accepting)))
+    s = int(model.initial[start])
+    first = options[ldba.initial, s]
+    b = int(first[values[horizon][s, first].argmax()])
+    path, actions, run = [s], [], [b]
+    for left in range(horizon - 1, -1, -1):
+        reached = model.successor[s]
+        choice = options[b, reached]
+        worth = accepting[choice] + values[left][reached[:, None], choice]
+        action, jump = np.unravel_index(int(worth.argmax()), worth.shape)
+        s, b = int(reached[action]), int(choice[action, jump])
+        path.append(s)
+        actions.append(int(action))
+        run.append(b)
+    return BestEpisode(np.array(path), np.array(actions, np.int64), np.array(run))
+
+
+def task_optimum(
+    environment: str, kwargs: Mapping[str, Any], labels: Labels, ldba: Ldba, horizon: int
+) -> Optimum | None:
+    """The optimum of an environment that publishes a finite model; None if it does not.
+
+    None as well if the induction would look at more than MAX_WORK entries.
+    """
+    import gymnasium
+
+    from tiloilc.tasks import finite_model
+
+    env = gymnasium.make(environment, disable_env_checker=True, **kwargs)
+    model = finite_model(env)
+    env.close()
+    if model is None or model.successor.size * len(ldba.states) * horizon > MAX_WORK:
+        return None
+    observations = model.observations.astype(np.float32)
+    return optimum(model, labels(observations), ldba, horizon)
+
+
+def _options(ldba: Ldba, letters: Int) -> Int:
+    """Where one may go from automaton state b on arriving in s, [B, n, K]."""
+    return walk_tables(ldba).options[:, letters]
+
+
+def _accepting(ldba: Ldba) -> Value:
+    """1 for accepting automaton states, [B]."""
+    return np.array([b in ldba.accepting for b in ldba.states], np.int32)
+
+
+def _arrival(value: Value, options: Int, accepting: Value) -> Value:
+    """W: the worth of arriving in s while in b, [n, B], from the worth of being there, [n, B]."""
+    state = np.arange(len(value))[:, None]
+    worth = value + accepting
+    return np.stack([worth[state, options[b]].max(axis=1) for b in range(len(options))], axis=1)
+
+
+def _backward(model: FiniteModel, arrival: Value) -> Value:
+    """V: the best that any action reaches, [n, B]."""
+    best = arrival[model.successor[:, 0]]
+    for action in range(1, model.successor.shape[1]):
+        np.maximum(best, arrival[model.successor[:, action]], out=best)
+    return best
