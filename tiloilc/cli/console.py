@@ -1,0 +1,73 @@
+"""Where output goes: data on standard output, talk on standard error, files all or nothing."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, TextIO
+
+import typer
+
+from tiloilc.diag import Diagnostic, render
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only data and errors.")]
+"""The option that every verb with something to say has."""
+
+
+def say(text: str, quiet: bool = False) -> None:
+    """One line of talk, unless the user wants none."""
+    if not quiet:
+        print(text, file=sys.stderr)
+
+
+def fail(text: str) -> typer.Exit:
+    """A usage error in our own words; to be raised."""
+    print(f"error: {text}", file=sys.stderr)
+    return typer.Exit(2)
+
+
+def coloured(stream: TextIO) -> bool:
+    """Whether `stream` shows colours: a terminal, and the user does not object."""
+    return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+
+
+def sources(diagnostics: Iterable[Diagnostic]) -> dict[str, str]:
+    """The text of each file that `diagnostics` point into, as far as it can be read."""
+    texts = {}
+    for file in {d.span.file for d in diagnostics if d.span is not None}:
+        try:
+            texts[file] = Path(file).read_text(encoding="utf-8")
+        except (OSError, ValueError):
+            continue
+    return texts
+
+
+def report(
+    diagnostics: Iterable[Diagnostic], format: str = "text", stream: TextIO | None = None
+) -> None:
+    """Write findings, to standard error unless told otherwise."""
+    found, out = list(diagnostics), stream or sys.stderr
+    out.write(render(found, format, sources(found), colour=coloured(out)))
+
+
+def write_file(path: Path, data: str | bytes) -> None:
+    """Write `path` under a temporary name beside it and rename: it is whole, or as it was."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data.encode() if isinstance(data, str) else data)
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
