@@ -3,7 +3,7 @@
 from tiloilc.diag.core import CompileError, Diagnostic, Severity, SourceText, Span, worst
 from tiloilc.diag.registry import RULES, Rule
 from tiloilc.diag.render import FORMATS, exit_status, render
-from tiloilc.diag.suggest import did_you_mean
+from tiloilc.diag.suggest import did_you_mean, nearest
 
 __all__ = [
     "FORMATS",
@@ -16,6 +16,7 @@ __all__ = [
     "Span",
     "did_you_mean",
     "exit_status",
+    "nearest",
     "render",
     "worst",
 ]

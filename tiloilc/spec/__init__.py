@@ -1,1 +1,22 @@
 """YAML text to a typed, frozen task with the place of every node."""
+
+from tiloilc.spec.model import Demonstrations, Environment, Evaluate, PythonPredicate, Spec
+from tiloilc.spec.read import Document, SpecFile, examine_spec, examine_text, read_spec
+from tiloilc.spec.schema import json_schema
+from tiloilc.spec.settings import Settings, Train
+
+__all__ = [
+    "Demonstrations",
+    "Document",
+    "Environment",
+    "Evaluate",
+    "PythonPredicate",
+    "Settings",
+    "Spec",
+    "SpecFile",
+    "Train",
+    "examine_spec",
+    "examine_text",
+    "json_schema",
+    "read_spec",
+]

@@ -11,13 +11,13 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict
 class Model(BaseModel):
     """Frozen, closed: an unknown key is an error."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 def to_number(value: object) -> object:
     """Numbers as people write them: `1/3`, `60_000`, `1e6`; whole ones become integers."""
     if isinstance(value, bool):
-        return value
+        return str(value).lower()  # else `true` would count as 1
     number = value
     if isinstance(value, str):
         text = value.replace("_", "").strip()
