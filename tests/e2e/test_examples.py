@@ -1,0 +1,102 @@
+"""The examples do what their texts say."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.e2e.conftest import Run
+from tests.e2e.test_readme import blocks
+from tests.e2e.test_readme import run as run_block
+
+EXAMPLES = ("own_environment", "own_demonstrations")
+
+
+@pytest.fixture
+def copied(root: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Path:
+    """A copy of the example that the test names."""
+    ignored = shutil.ignore_patterns("__pycache__", "build", "runs")
+    return shutil.copytree(root / "examples" / request.param, tmp_path / "copy", ignore=ignored)
+
+
+def evaluation(folder: Path) -> dict[str, dict[str, list[float]]]:
+    """The one `eval.json` under `folder`."""
+    (path,) = folder.rglob("eval.json")
+    read: dict[str, dict[str, list[float]]] = json.loads(path.read_text(encoding="utf-8"))
+    return read
+
+
+def test_every_example_is_tested(root: Path) -> None:
+    assert {path.name for path in (root / "examples").iterdir() if path.is_dir()} == set(EXAMPLES)
+
+
+@pytest.mark.parametrize("copied", EXAMPLES, indirect=True)
+def test_the_quick_commands_of_an_example_run(copied: Path) -> None:
+    quick = [block for block in blocks((copied / "README.md").read_text()) if not block.mark]
+    assert quick
+    for block in quick:
+        run_block(block, copied)
+
+
+@pytest.mark.parametrize("copied", EXAMPLES, indirect=True)
+def test_an_example_compiles_from_another_folder(copied: Path, tiloilc: Run) -> None:
+    (spec,) = copied.glob("*.yaml")
+    tiloilc("compile", spec.relative_to(copied.parent), "-o", "out", cwd=copied.parent)
+    plan = json.loads((copied.parent / "out" / "plan.json").read_text(encoding="utf-8"))
+    assert plan["name"] == spec.stem
+
+
+@pytest.mark.parametrize("copied", ["own_environment"], indirect=True)
+def test_the_own_environment_is_an_ordinary_one(copied: Path) -> None:
+    program = (
+        "import gymnasium, courier\n"
+        "from gymnasium.utils.env_checker import check_env\n"
+        "check_env(gymnasium.make('Courier-v0').unwrapped)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=copied, timeout=120, check=False)
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize("copied", ["own_demonstrations"], indirect=True)
+def test_the_demonstrations_in_the_tree_are_what_the_script_writes(copied: Path) -> None:
+    before = (copied / "routes.npz").read_bytes()
+    subprocess.run([sys.executable, "make_demonstrations.py"], cwd=copied, timeout=60, check=True)
+    with np.load(copied / "routes.npz", allow_pickle=False) as made:
+        now = {name: made[name] for name in made.files}
+    (copied / "routes.npz").write_bytes(before)
+    with np.load(copied / "routes.npz", allow_pickle=False) as kept:
+        assert kept.files == list(now)
+        for name in kept.files:
+            np.testing.assert_allclose(kept[name], now[name], atol=1e-6)
+
+
+@pytest.mark.parametrize("copied", ["own_demonstrations"], indirect=True)
+def test_a_demonstration_through_the_blue_disc_is_reported(copied: Path, tiloilc: Run) -> None:
+    straight = np.linspace((-1.0, -1.0), (1.0, 1.0), 11, dtype=np.float32)
+    np.savez(copied / "routes.npz", observations_0=straight)
+    told = tiloilc("lint", "settle.yaml", cwd=copied, status=0)
+    assert "DEMO503" in told.stdout + told.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("copied", ["own_environment"], indirect=True)
+def test_the_courier_learns_to_deliver(copied: Path, tiloilc: Run) -> None:
+    tiloilc("run", "courier.yaml", cwd=copied)
+    greedy = evaluation(copied)["greedy"]
+    assert min(greedy["accepting_visits"]) >= 3
+    assert max(greedy["violation_rate"]) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("copied", ["own_demonstrations"], indirect=True)
+def test_the_point_learns_to_settle(copied: Path, tiloilc: Run) -> None:
+    tiloilc("run", "settle.yaml", cwd=copied)
+    greedy = evaluation(copied)["greedy"]
+    assert np.mean(greedy["accepting_visits"]) >= 40
+    assert np.mean(greedy["violation_rate"]) <= 0.1
