@@ -1,0 +1,210 @@
+"""Rules for & and |. Each comes with its dual; operands keep the written order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import combinations
+
+from tiloilc.ltl.ast import (
+    FALSE,
+    TRUE,
+    Always,
+    And,
+    Eventually,
+    Formula,
+    Next,
+    Or,
+    Release,
+    StrongRelease,
+    Until,
+    WeakUntil,
+    conjunction,
+    disjunction,
+)
+from tiloilc.ltl.fragments import is_eventual, is_suspendable, is_universal
+from tiloilc.ltl.rewrite.implication import covers, excludes, implies, negated
+
+
+def flatten(f: Formula) -> Formula:
+    """`a & (b & a) & true` to `a & b`."""
+    match f:
+        case And(operands):
+            return conjunction(operands)
+        case Or(operands):
+            return disjunction(operands)
+    return f
+
+
+def contradiction(f: Formula) -> Formula:
+    """`a & !a` to `false`, `F a | G !a` to `true`: two operands exclude or complete each other."""
+    match f:
+        case And(operands) if _some_pair(operands, excludes):
+            return FALSE
+        case Or(operands) if _some_pair(operands, covers):
+            return TRUE
+    return f
+
+
+def absorption(f: Formula) -> Formula:
+    """`a & F a` to `a`, `a | F a` to `F a`: operands that others imply say nothing."""
+    match f:
+        case And(operands):
+            return conjunction(_strongest(operands))
+        case Or(operands):
+            weakest = _strongest([negated(operand) for operand in operands])
+            return disjunction([o for o in operands if negated(o) in weakest])
+    return f
+
+
+def unit(f: Formula) -> Formula:
+    """`a & (!a | b)` to `a & b`, `a | (!a & b)` to `a | b`."""
+    match f:
+        case And(operands):
+            return conjunction([_without_excluded(o, operands) for o in operands])
+        case Or(operands):
+            denied = [negated(o) for o in operands]
+            return disjunction([negated(_without_excluded(o, denied)) for o in denied])
+    return f
+
+
+def join_next(f: Formula) -> Formula:
+    """`X a & X b` to `X (a & b)`, with suspendable operands, which time does not change."""
+
+    def inner(operand: Formula) -> Formula | None:
+        if isinstance(operand, Next):
+            return operand.operand
+        return operand if is_suspendable(operand) else None
+
+    if isinstance(f, And | Or) and any(isinstance(o, Next) for o in f.operands):
+        return _gathered(f, inner, Next)
+    return f
+
+
+def join_eventually(f: Formula) -> Formula:
+    """`F a | F b` to `F (a | b)`; `F G a` stays: a suspendable formula is worth more alone."""
+
+    def inner(operand: Formula) -> Formula | None:
+        match operand:
+            case Eventually(a) if not is_universal(a):
+                return a
+        return None
+
+    return _gathered(f, inner, Eventually) if isinstance(f, Or) else f
+
+
+def join_always(f: Formula) -> Formula:
+    """`G a & G b` to `G (a & b)`; `G F a` stays: a suspendable formula is worth more alone."""
+
+    def inner(operand: Formula) -> Formula | None:
+        match operand:
+            case Always(a) if not is_eventual(a):
+                return a
+        return None
+
+    return _gathered(f, inner, Always) if isinstance(f, And) else f
+
+
+def join_suspendable(f: Formula) -> Formula:
+    """`G F a | G F b` to `G F (a | b)`, `F G a & F G b` to `F G (a & b)`."""
+
+    def often(operand: Formula) -> Formula | None:
+        match operand:
+            case Always(Eventually(a)):
+                return a
+        return None
+
+    def lasting(operand: Formula) -> Formula | None:
+        match operand:
+            case Eventually(Always(a)):
+                return a
+        return None
+
+    match f:
+        case Or():
+            return _gathered(f, often, lambda a: Always(Eventually(a)))
+        case And():
+            return _gathered(f, lasting, lambda a: Eventually(Always(a)))
+    return f
+
+
+def combine(f: Formula) -> Formula:
+    """`(a U b) | G a` to `a W b`, `(a W b) & F b` to `a U b`, and R and M alike."""
+    if not isinstance(f, And | Or):
+        return f
+    for one in f.operands:
+        for other in f.operands:
+            match f, one, other:
+                case Or(), Until(a, b), Always(c) if a == c:
+                    return _merged(f, one, other, WeakUntil(a, b))
+                case Or(), StrongRelease(a, b), Always(c) if b == c:
+                    return _merged(f, one, other, Release(a, b))
+                case And(), WeakUntil(a, b), Eventually(c) if b == c:
+                    return _merged(f, one, other, Until(a, b))
+                case And(), Release(a, b), Eventually(c) if a == c:
+                    return _merged(f, one, other, StrongRelease(a, b))
+    return f
+
+
+def refold(f: Formula) -> Formula:
+    """`a | X F a` to `F a`, `b | (a & X (a U b))` to `a U b`: expansion laws, backwards."""
+    if not isinstance(f, And | Or):
+        return f
+    for one in f.operands:
+        for other in f.operands:
+            match f, other:
+                case Or(), Next(Eventually(a) as whole) if a == one:
+                    return _merged(f, one, other, whole)
+                case And(), Next(Always(a) as whole) if a == one:
+                    return _merged(f, one, other, whole)
+                case Or(), And((a, Next(Until(c, b) | WeakUntil(c, b) as whole))) if (
+                    a == c and b == one
+                ):
+                    return _merged(f, one, other, whole)
+                case And(), Or((a, Next(Release(c, b) | StrongRelease(c, b) as whole))) if (
+                    a == c and b == one
+                ):
+                    return _merged(f, one, other, whole)
+    return f
+
+
+def _some_pair(operands: Sequence[Formula], related: Callable[[Formula, Formula], bool]) -> bool:
+    return any(related(one, other) for one, other in combinations(operands, 2))
+
+
+def _strongest(operands: Sequence[Formula]) -> list[Formula]:
+    """The operands without those that another one implies; of equivalent ones the first."""
+    kept = list(operands)
+    for operand in reversed(operands):
+        if any(other is not operand and implies(other, operand) for other in kept):
+            kept = [other for other in kept if other is not operand]
+    return kept
+
+
+def _without_excluded(operand: Formula, beside: Sequence[Formula]) -> Formula:
+    """`operand` without the cases that another formula of `beside` rules out."""
+    if not isinstance(operand, Or):
+        return operand
+    others = [other for other in beside if other is not operand]
+    return disjunction(
+        [case for case in operand.operands if not any(excludes(case, o) for o in others)]
+    )
+
+
+def _gathered(
+    f: And | Or,
+    inner: Callable[[Formula], Formula | None],
+    operator: Callable[[Formula], Formula],
+) -> Formula:
+    """`f` with the operands of which `inner` knows the core under one `operator`, first's place."""
+    cores = [core for o in f.operands if (core := inner(o)) is not None]
+    if len(cores) < 2:
+        return f
+    join = conjunction if isinstance(f, And) else disjunction
+    joined = operator(join(cores))
+    return join([o if inner(o) is None else joined for o in f.operands])
+
+
+def _merged(f: And | Or, one: Formula, other: Formula, both: Formula) -> Formula:
+    """`f` with `both` in the place of its operands `one` and `other`."""
+    join = conjunction if isinstance(f, And) else disjunction
+    return join([both if o is one or o is other else o for o in f.operands])

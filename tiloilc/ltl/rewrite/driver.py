@@ -1,0 +1,87 @@
+"""Simplification: small rules, in one visible order, until none of them changes anything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from tiloilc.ltl.ast import (
+    And,
+    Binary,
+    Formula,
+    Junction,
+    Or,
+    Unary,
+    conjunction,
+    disjunction,
+    subformulas,
+)
+from tiloilc.ltl.normal import nnf
+from tiloilc.ltl.rewrite import boolean, temporal
+
+Rule = Callable[[Formula], Formula]
+
+RULES: tuple[Rule, ...] = (
+    boolean.flatten,
+    temporal.constants,
+    temporal.idempotence,
+    temporal.next_outwards,
+    temporal.eventually_inwards,
+    temporal.always_inwards,
+    temporal.degenerate,
+    temporal.lasting,
+    temporal.nested,
+    boolean.contradiction,
+    boolean.absorption,
+    boolean.unit,
+    boolean.join_next,
+    boolean.join_eventually,
+    boolean.join_always,
+    boolean.join_suspendable,
+    boolean.combine,
+    boolean.refold,
+)
+"""Each takes a formula in normal form to an equivalent one, by its root; most leave it as it is.
+
+None touches the order in `G F (a & X F b)`: it is not in the language, but in the demonstrations.
+"""
+
+MAX_ROUNDS = 50
+"""Formulas settle in a few rounds; stopping early is never wrong, only less simple."""
+
+
+def simplify(formula: Formula) -> Formula:
+    """A simpler equivalent of `formula`, in negation normal form."""
+    current = nnf(formula)
+    for _ in range(MAX_ROUNDS):
+        following = _round(current)
+        if following == current:
+            break
+        current = following
+    return current
+
+
+def _round(formula: Formula) -> Formula:
+    """Every part of `formula` once by all rules, operands first."""
+    done: dict[Formula, Formula] = {}
+    for part in subformulas(formula):
+        done[part] = _by_rules(_over(part, [done[child] for child in part.children]))
+    return done[formula]
+
+
+def _by_rules(part: Formula) -> Formula:
+    for rule in RULES:
+        part = rule(part)
+    return part
+
+
+def _over(part: Formula, operands: list[Formula]) -> Formula:
+    """The operator of `part` over other operands."""
+    match part:
+        case And():
+            return conjunction(operands)
+        case Or():
+            return disjunction(operands)
+        case Unary() | Binary():
+            return type(part)(*operands)
+    assert not isinstance(part, Junction)
+    return part
