@@ -46,9 +46,11 @@ class Predicate:
 class Plan:
     """A compiled task. `fields` are the named slices [start, stop) of the flat observation.
 
-    `digests` are sha256 of the inputs by path relative to the plan's folder (`spec`, the predicate
-    files, `demos.npz`, …); `root` is where `python:` predicates are found and is not part of the
-    plan's own digest.
+    `digests` are sha256 of what the plan was compiled from: `demos.npz` stands beside the plan, the
+    others are named by kind and path relative to `root`, as in `spec:task.yaml`,
+    `python:labels.py`, `demonstrations:mine.npz`. `root` is the folder of the task file, absolute
+    in memory and relative to the plan in a file; it is no part of the plan's own digest. `python:`
+    predicates and the modules of own environments are found there.
     """
 
     name: str
@@ -65,3 +67,4 @@ class Plan:
     digests: dict[str, str]
     version: str
     schema_version: int = SCHEMA_VERSION
+    root: str = ""

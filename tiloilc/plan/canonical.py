@@ -1,0 +1,298 @@
+"""The plan as canonical JSON: the same plan is the same bytes, and only such bytes are read."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+
+from pydantic import Field, ValidationError
+
+from tiloilc.automaton.ldba import Cube, Edge, Ldba
+from tiloilc.diag import CompileError, Diagnostic, Span
+from tiloilc.plan.model import SCHEMA_VERSION, Plan, Predicate, Stages
+from tiloilc.plan.options import intersection, options
+from tiloilc.spec.base import Model
+from tiloilc.spec.model import Demonstrations, Environment, Evaluate
+from tiloilc.spec.settings import Settings
+
+__all__ = ["automaton_json", "canonical", "digest", "from_json", "ldba_from_json", "to_json"]
+
+Json = None | bool | int | float | str | Sequence["Json"] | Mapping[str, "Json"]
+
+
+class _Strict(Model, strict=True):
+    """Types as they are: no text that looks like a number."""
+
+
+class _Edge(_Strict):
+    source: int
+    target: int
+    guard: str
+    cubes: list[list[int]]
+
+
+class _Option(_Strict):
+    state: int
+    guard: str
+    cubes: list[list[int]]
+    targets: list[int]
+
+
+class _Automaton(_Strict):
+    propositions: list[str]
+    states: list[str]
+    initial: int
+    accepting: list[int]
+    sink: int | None
+    edges: list[_Edge]
+    jumps: list[list[int]]
+    options: list[_Option]
+
+
+class _Stages(_Strict):
+    index: list[int]
+    length: list[int]
+    distance: list[int]
+    positive: list[list[int]]
+    negative: list[list[int]]
+
+
+class _Predicate(_Strict):
+    name: str
+    text: str
+    python: str
+
+
+class _File(Model):
+    """The whole file. The sections of the task file are read as the task file's are."""
+
+    schema_version: int
+    version: str
+    name: str
+    description: str
+    root: str
+    environment: Environment
+    fields: dict[str, list[int]]
+    predicates: list[_Predicate]
+    formula: str
+    automaton: _Automaton
+    stages: _Stages
+    demonstrations: Demonstrations
+    train: dict[str, object] = Field(description="every setting")
+    evaluate: Evaluate
+    digests: dict[str, str]
+
+
+def to_json(plan: Plan) -> str:
+    """`plan` as canonical JSON text: sorted keys, flat lists on one line, ended by a newline."""
+    about: dict[str, Json] = {
+        "schema_version": plan.schema_version,
+        "version": plan.version,
+        "name": plan.name,
+        "description": plan.description,
+        "root": plan.root,
+        "environment": plan.environment.model_dump(mode="json"),
+        "fields": {name: list(span) for name, span in plan.fields.items()},
+        "predicates": [dataclasses.asdict(predicate) for predicate in plan.predicates],
+        "formula": plan.formula,
+        "automaton": automaton_json(plan.ldba),
+        "stages": dataclasses.asdict(plan.stages),
+        "demonstrations": plan.demonstrations.model_dump(mode="json"),
+        "train": plan.train.model_dump(mode="json"),
+        "evaluate": plan.evaluate.model_dump(mode="json"),
+        "digests": dict(plan.digests),
+    }
+    return canonical(about) + "\n"
+
+
+def digest(plan: Plan) -> str:
+    """The sha256 of the plan's canonical text, wherever its task file stands."""
+    text = to_json(dataclasses.replace(plan, root=""))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def from_json(text: str, file: str = "plan.json") -> Plan:
+    """The plan behind `text`; `file` names it in messages.
+
+    Raises CompileError PLAN407 for anything that is not a whole and consistent plan.
+    """
+    try:
+        data = json.loads(text)
+    except ValueError as error:
+        raise _unreadable(f"not JSON ({_decapitalised(str(error))})", file) from None
+    except RecursionError:
+        raise _unreadable("nested too deeply", file) from None
+    given = data.get("schema_version") if isinstance(data, dict) else None
+    if given != SCHEMA_VERSION:
+        problem = "no `schema_version`" if given is None else f"its schema version is {given}"
+        raise _unreadable(f"{problem}, this tiloilc reads {SCHEMA_VERSION}", file)
+    try:
+        read = _File.model_validate(data)
+        train = _settings(read.train)
+    except ValidationError as error:
+        raise _unreadable(_first(error), file) from None
+    ldba = _ldba(read.automaton, file)
+    return Plan(
+        name=read.name,
+        description=read.description,
+        environment=read.environment,
+        fields={name: _pair(span, f"fields.{name}", file) for name, span in read.fields.items()},
+        predicates=tuple(Predicate(p.name, p.text, p.python) for p in read.predicates),
+        formula=read.formula,
+        ldba=ldba,
+        stages=_stages(read.stages, ldba, file),
+        demonstrations=read.demonstrations,
+        train=train,
+        evaluate=read.evaluate,
+        digests=dict(read.digests),
+        version=read.version,
+        schema_version=read.schema_version,
+        root=read.root,
+    )
+
+
+def automaton_json(ldba: Ldba) -> dict[str, Json]:
+    """`ldba` with its jumps, each guard as text and as cubes [mask, value], and the options."""
+    names = ldba.propositions
+    return {
+        "propositions": list(names),
+        "states": list(ldba.names),
+        "initial": ldba.initial,
+        "accepting": sorted(ldba.accepting),
+        "sink": ldba.sink,
+        "edges": [
+            {"source": e.source, "target": e.target, **_guard(e.guard, names)} for e in ldba.edges
+        ],
+        "jumps": [list(jump) for jump in ldba.jumps],
+        "options": [
+            {"state": o.state, "targets": list(o.targets), **_guard(o.guard, names)}
+            for o in options(ldba)
+        ],
+    }
+
+
+def ldba_from_json(data: Mapping[str, Json], file: str = "plan.json") -> Ldba:
+    """The automaton behind `automaton_json`'s data. Raises CompileError PLAN407."""
+    try:
+        return _ldba(_Automaton.model_validate(data), file)
+    except ValidationError as error:
+        raise _unreadable(_first(error), file) from None
+
+
+def canonical(value: Json, indent: str = "") -> str:
+    """JSON with sorted keys, two spaces a level, and lists of plain values on one line."""
+    deeper = indent + "  "
+    if isinstance(value, Mapping):
+        if not value:
+            return "{}"
+        items = [
+            f"{deeper}{_scalar(key)}: {canonical(value[key], deeper)}" for key in sorted(value)
+        ]
+        return "{\n" + ",\n".join(items) + f"\n{indent}}}"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        if not any(isinstance(item, Mapping) for item in value):
+            return json.dumps(value, ensure_ascii=False, allow_nan=False)
+        items = [deeper + canonical(item, deeper) for item in value]
+        return "[\n" + ",\n".join(items) + f"\n{indent}]"
+    return _scalar(value)
+
+
+def _scalar(value: Json) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def _guard(cubes: Sequence[Cube], names: Sequence[str]) -> dict[str, Json]:
+    from tiloilc.automaton import guard_text
+
+    return {
+        "guard": guard_text(tuple(cubes), tuple(names)),
+        "cubes": [[cube.mask, cube.value] for cube in cubes],
+    }
+
+
+def _settings(given: Mapping[str, object]) -> Settings:
+    missing = sorted(set(Settings.model_fields) - set(given))
+    if missing:
+        raise ValidationError.from_exception_data(
+            "plan", [{"type": "missing", "loc": ("train", missing[0]), "input": given}]
+        )
+    return Settings.model_validate(given)
+
+
+def _ldba(read: _Automaton, file: str) -> Ldba:
+    n, full = len(read.states), (1 << len(read.propositions)) - 1
+    numbers = [read.initial, *read.accepting, *(b for jump in read.jumps for b in jump)]
+    numbers += [b for edge in read.edges for b in (edge.source, edge.target)]
+    numbers += [] if read.sink is None else [read.sink]
+    if not all(0 <= b < n for b in numbers):
+        raise _unreadable(f"the automaton names a state that is not among its {n}", file)
+    if len(set(read.propositions)) < len(read.propositions):
+        raise _unreadable("the automaton names a proposition twice", file)
+    cubes = [cube for edge in read.edges for cube in edge.cubes]
+    if any(len(c) != 2 or c[0] & ~full or c[1] & ~c[0] or min(c) < 0 for c in cubes):
+        raise _unreadable("a guard of the automaton is no set of letters", file)
+    ldba = Ldba(
+        propositions=tuple(read.propositions),
+        names=tuple(read.states),
+        accepting=frozenset(read.accepting),
+        sink=read.sink,
+        edges=tuple(
+            Edge(e.source, e.target, tuple(Cube(*cube) for cube in e.cubes)) for e in read.edges
+        ),
+        jumps=tuple(_pair(jump, "automaton.jumps", file) for jump in read.jumps),
+        initial=read.initial,
+    )
+    for b in ldba.states:
+        if not _partition([cube for edge in ldba.outgoing[b] for cube in edge.guard], ldba):
+            raise _unreadable(f"the edges of automaton state {b} do not partition letters", file)
+    if automaton_json(ldba) != read.model_dump(mode="json"):
+        raise _unreadable("the automaton's guards or options contradict each other", file)
+    return ldba
+
+
+def _partition(cubes: Sequence[Cube], ldba: Ldba) -> bool:
+    """Whether each letter lies in just one of `cubes`."""
+    n = len(ldba.propositions)
+    size = sum(1 << (n - cube.mask.bit_count()) for cube in cubes)
+    apart = all(
+        intersection(one, other) is None for i, one in enumerate(cubes) for other in cubes[:i]
+    )
+    return apart and size == 1 << n
+
+
+def _stages(read: _Stages, ldba: Ldba, file: str) -> Stages:
+    n = len(ldba.names)
+    lengths = {len(column) for column in read.model_dump().values()}
+    buffers = [b for row in (*read.positive, *read.negative) for b in row]
+    if lengths != {n} or not all(0 <= b <= n for b in buffers) or min(read.length) < 1:
+        raise _unreadable("the stages do not fit the automaton", file)
+    return Stages(
+        tuple(read.index),
+        tuple(read.length),
+        tuple(read.distance),
+        tuple(map(tuple, read.positive)),
+        tuple(map(tuple, read.negative)),
+    )
+
+
+def _pair(values: Sequence[int], key: str, file: str) -> tuple[int, int]:
+    if len(values) != 2:
+        raise _unreadable(f"`{key}`: two numbers are needed", file)
+    return values[0], values[1]
+
+
+def _first(error: ValidationError) -> str:
+    """The first of pydantic's findings in one line."""
+    found = error.errors(include_url=False, include_context=False, include_input=False)[0]
+    key = ".".join(str(part) for part in found["loc"])
+    return f"`{key}`: {_decapitalised(found['msg'])}" if key else _decapitalised(found["msg"])
+
+
+def _decapitalised(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def _unreadable(problem: str, file: str) -> CompileError:
+    return CompileError(Diagnostic.of("PLAN407", Span(file, 1, 1, 1, 2), problem=problem))
