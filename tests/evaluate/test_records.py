@@ -131,7 +131,9 @@ def test_a_run_folder_gives_its_records_with_the_digest_of_its_spec(tmp_path: Pa
     (tmp_path / "eval.json").write_text(json.dumps(EVALUATION))
     with pytest.raises(CompileError, match=r"RUN701.*plan\.json"):
         records_of_run(tmp_path)
-    (tmp_path / "plan.json").write_text(json.dumps({"digests": {"spec": "fed"}}))
+    (tmp_path / "plan.json").write_text(
+        json.dumps({"digests": {"demos.npz": "a", "spec:t.yaml": "fed"}})
+    )
     assert [record.fields["spec_digest"] for record in records_of_run(tmp_path)] == ["fed"] * 2
 
 

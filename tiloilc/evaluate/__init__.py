@@ -1,1 +1,39 @@
-"""The evaluate package."""
+"""The protocol by which policies are judged, the statistics over seeds, and the records of runs."""
+
+from tiloilc.evaluate.metrics import METRICS, EpisodeMetrics, eventual_return, measure
+from tiloilc.evaluate.records import Record, append, dedupe, read, records_of_run, split_seeds
+from tiloilc.evaluate.statistics import (
+    Band,
+    Interval,
+    Summary,
+    area_under_curve,
+    band,
+    generator,
+    interquartile_mean,
+    steps_to_threshold,
+    stratified_bootstrap,
+    summarise,
+)
+
+__all__ = [
+    "METRICS",
+    "Band",
+    "EpisodeMetrics",
+    "Interval",
+    "Record",
+    "Summary",
+    "append",
+    "area_under_curve",
+    "band",
+    "dedupe",
+    "eventual_return",
+    "generator",
+    "interquartile_mean",
+    "measure",
+    "read",
+    "records_of_run",
+    "split_seeds",
+    "steps_to_threshold",
+    "stratified_bootstrap",
+    "summarise",
+]

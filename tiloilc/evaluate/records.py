@@ -103,7 +103,8 @@ def records_of_run(run: Path) -> list[Record]:
     """
     evaluation = _load(run, "eval.json")
     digests = _load(run, "plan.json").get("digests")
-    spec = digests.get("spec") if isinstance(digests, dict) else None
+    named = digests if isinstance(digests, dict) else {}
+    spec = next((value for key, value in named.items() if key.startswith("spec:")), None)
     try:
         return split_seeds(evaluation, spec if isinstance(spec, str) else None)
     except ValueError as error:

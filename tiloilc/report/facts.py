@@ -1,0 +1,191 @@
+"""What can be said of a run in numbers and in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tiloilc.evaluate import (
+    METRICS,
+    Summary,
+    area_under_curve,
+    generator,
+    steps_to_threshold,
+    summarise,
+)
+from tiloilc.report.markup import number
+from tiloilc.report.reading import Floats
+from tiloilc.report.run import Run
+
+__all__ = [
+    "METRIC_TEXTS",
+    "MetricText",
+    "area",
+    "cloning",
+    "efficiency",
+    "greedy",
+    "labels",
+    "levels_of",
+    "summary",
+    "verdict",
+]
+
+VISITS = "accepting_visits"
+
+GOOD_ENOUGH = 0.9
+"""Sample efficiency is told by the steps to this share of the optimum (measuring.md)."""
+
+ALGORITHMS = {"tiloil": "TiLoIL", "cloning": "Behaviour cloning"}
+
+
+@dataclass(frozen=True)
+class MetricText:
+    """How a metric is named and its values are written."""
+
+    title: str
+    unit: str
+    about: str
+    share: bool = False
+
+    def show(self, value: float) -> str:
+        """A value as the page writes it."""
+        if np.isnan(value):
+            return "–"
+        return f"{value * 100:.1f} %" if self.share else f"{value:.2f}"
+
+
+METRIC_TEXTS = {
+    VISITS: MetricText(
+        "Accepting visits",
+        "visits per episode",
+        "steps of an episode that arrive in an accepting state of the automaton, undiscounted",
+    ),
+    "eventual_return": MetricText(
+        "Eventual return",
+        "return",
+        "the sum over visits of γ to the number of visits before (Eq. 17 and 18)",
+    ),
+    "violation_rate": MetricText(
+        "Violations",
+        "share of episodes",
+        "episodes that enter the sink, where the formula can no longer be satisfied",
+        share=True,
+    ),
+    "success": MetricText(
+        "Success",
+        "share of episodes",
+        "episodes with at least one accepting visit",
+        share=True,
+    ),
+    "first_visit": MetricText(
+        "First visit",
+        "environment steps",
+        "steps until the first accepting visit, over the episodes that have one",
+    ),
+}
+assert tuple(METRIC_TEXTS) == METRICS
+
+
+def greedy(run: Run) -> dict[str, Floats]:
+    """The greedy policies' metrics: from eval.json, else from the last evaluation in training."""
+    if run.final is not None and "greedy" in run.final.policies:
+        return run.final.policies["greedy"]
+    return {name: column[-1] for name, column in run.curve.values.items() if len(column)}
+
+
+def cloning(run: Run) -> dict[str, Floats]:
+    """Cloning alone: from eval.json, else the evaluation at step 0 after a warm start."""
+    if run.final is not None and "cloning" in run.final.policies:
+        return run.final.policies["cloning"]
+    warm = run.plan is not None and run.plan.train.warm_start != "none"
+    if warm and run.curve.steps[:1] == (0,):
+        return {name: column[0] for name, column in run.curve.values.items()}
+    return {}
+
+
+def summary(values: Floats | None) -> Summary | None:
+    """Statistics over seeds; the generator is new each time, so that order has no influence."""
+    return None if values is None else summarise(values, generator())
+
+
+def optimum(run: Run) -> float | None:
+    """The greatest number of accepting visits in an episode, if it is known."""
+    return None if run.final is None else run.final.optimum
+
+
+def efficiency(run: Run) -> tuple[float, int | None] | None:
+    """(threshold, step): where the mean over seeds first reaches 90 % of the optimum."""
+    best = optimum(run)
+    if best is None or best <= 0 or VISITS not in run.curve.values:
+        return None
+    threshold = GOOD_ENOUGH * best
+    return threshold, steps_to_threshold(run.curve.steps, run.curve.values[VISITS], threshold)
+
+
+def area(run: Run) -> Summary | None:
+    """The mean height of the curve of accepting visits over training, by seed."""
+    values = run.curve.values.get(VISITS)
+    if values is None or len(values) < 2 or np.isnan(values).any():
+        return None
+    return summary(area_under_curve(run.curve.steps, values))
+
+
+def levels_of(run: Run, metric: str) -> tuple[float | None, float | None]:
+    """(optimum, cloning alone) of one metric; the optimum is known of accepting visits only."""
+    cloned = summary(cloning(run).get(metric))
+    best = optimum(run) if metric == VISITS else None
+    return best, None if cloned is None else cloned.mean
+
+
+def algorithm(run: Run) -> str:
+    """The algorithm's name as people write it."""
+    return ALGORITHMS.get(run.algorithm, run.algorithm)
+
+
+def verdict(run: Run) -> str:
+    """The result in one or two sentences, with its interval, the optimum and cloning beside it."""
+    values = greedy(run)
+    visits = summary(values.get(VISITS))
+    if visits is None:
+        return f"{algorithm(run)} has not been evaluated yet, so there is no result to report."
+    low, high = visits.mean_interval.low, visits.mean_interval.high
+    seeds = f"{visits.count} seed{'' if visits.count == 1 else 's'}"
+    spread = f"95 % interval {low:.2f}–{high:.2f}, {seeds}" if visits.count > 1 else seeds
+    said = f"{algorithm(run)} makes {visits.mean:.2f} accepting visits per episode ({spread})"
+    best, cloned = levels_of(run, VISITS)
+    beside = []
+    if best is not None and best > 0:
+        beside.append(f"{visits.mean / best * 100:.0f} % of the optimum of {number(best)}")
+    if cloned is not None:
+        beside.append(f"cloning alone makes {cloned:.2f}")
+    said += f": {'; '.join(beside)}." if beside else "."
+    violations = summary(values.get("violation_rate"))
+    if violations is not None:
+        if violations.mean == 0:
+            said += " No episode violates the formula."
+        else:
+            share = f"{violations.mean * 100:.1f}".removesuffix(".0")
+            said += f" It violates the formula in {share} % of episodes."
+    return said
+
+
+def labels(runs: Sequence[Run]) -> list[str]:
+    """A short name for each run, by what tells them apart; equal ones get their folder's name."""
+    parts: list[list[str]] = [[] for _ in runs]
+    for values in (
+        [run.name for run in runs],
+        [algorithm(run) for run in runs],
+        [run.preset for run in runs],
+        [", ".join(f"{k}={v}" for k, v in run.overrides.items()) for run in runs],
+    ):
+        if len(set(values)) > 1:
+            for part, value in zip(parts, values, strict=True):
+                if value:
+                    part.append(value)
+    named = [" · ".join(part) or algorithm(run) for part, run in zip(parts, runs, strict=True)]
+    return [
+        f"{name} ({run.folder})" if named.count(name) > 1 else name
+        for name, run in zip(named, runs, strict=True)
+    ]

@@ -1,0 +1,353 @@
+"""One self-contained page from runs: what was asked, what came out, how, and how to do it again."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Sequence
+from importlib.resources import files
+
+from tiloilc.report import facts, figures, tables
+from tiloilc.report.markup import Markup, concat, number, tag
+from tiloilc.report.run import Run
+from tiloilc.report.states import State, states_of
+
+__all__ = ["render"]
+
+
+def render(runs: Sequence[Run]) -> str:
+    """The whole page as HTML. One run is reported, several are compared.
+
+    The page asks nothing of any network, and the same runs give the same bytes.
+    """
+    assert runs, "a report of no run"
+    names = facts.labels(runs)
+    single = len(runs) == 1
+    title = runs[0].name if single else " / ".join(dict.fromkeys(run.name for run in runs))
+    body = [_header(runs[0])] if single else [_comparison_header(runs, title)]
+    body += [_warnings(run, "" if single else f"{n}: ") for run, n in zip(runs, names, strict=True)]
+    sections: list[tuple[str, Markup]] = []
+    if single:
+        sections.append(("Results", _results(runs[0])))
+    else:
+        sections.append(("Comparison", _comparison(runs, names)))
+    sections.append(("Learning curves", _curves(runs, names)))
+    for run, name in zip(runs, names, strict=True):
+        sections += _of_run(run, "" if single else f" · {name}", first=_first_of_plan(run, runs))
+    sections.append(("Settings", _settings(runs, names)))
+    sections.append(
+        ("Provenance", concat(_provenance(r, n) for r, n in zip(runs, names, strict=True)))
+    )
+    sections.append(("How to read this page", _reading()))
+    body += [tag("section", tag("h2", head), content) for head, content in sections]
+    return _document(title, concat(body))
+
+
+def _document(title: str, body: Markup) -> str:
+    style, script = _asset("report.css"), _asset("report.js")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; "
+    policy += f"script-src 'sha256-{digest}'"
+    head = tag(
+        "head",
+        tag("meta", charset="utf-8"),
+        tag("meta", http_equiv="Content-Security-Policy", content=policy),
+        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        tag("meta", name="color-scheme", content="light dark"),
+        tag("meta", name="generator", content="tiloilc"),
+        tag("title", f"{title} – tiloilc report"),
+        tag("link", rel="icon", href="data:,"),
+        tag("style", Markup(style)),
+    )
+    tip = tag("div", class_="tip", hidden=True)
+    page = tag(
+        "html", head, tag("body", tag("main", body), tip, tag("script", Markup(script))), lang="en"
+    )
+    return f"<!DOCTYPE html>\n{page}\n"
+
+
+def _asset(name: str) -> str:
+    """A file of this package: trusted, goes into the page as it is."""
+    return files("tiloilc.report").joinpath(name).read_text(encoding="utf-8")
+
+
+def _header(run: Run) -> Markup:
+    plan = run.plan
+    body = [tag("p", "tiloilc report", class_="eyebrow"), tag("h1", run.name)]
+    if plan is not None and plan.description:
+        body.append(tag("p", plan.description, class_="lead"))
+    if plan is not None and plan.formula:
+        body.append(tag("pre", tag("code", plan.formula), class_="formula"))
+    body.append(tag("p", facts.verdict(run), class_="verdict"))
+    about = [facts.algorithm(run), f"preset {run.preset}"]
+    about.append(f"{len(run.seeds)} seed{'' if len(run.seeds) == 1 else 's'}")
+    about.append(f"{run.end:,} environment steps each")
+    if run.final is not None and run.final.wall_seconds is not None:
+        about.append(f"trained in {_duration(run.final.wall_seconds)}")
+    body.append(tag("p", " · ".join(about), class_="quiet"))
+    return tag("header", body)
+
+
+def _comparison_header(runs: Sequence[Run], title: str) -> Markup:
+    body = [tag("p", f"tiloilc report · {len(runs)} runs compared", class_="eyebrow")]
+    body.append(tag("h1", title))
+    formulas = dict.fromkeys(run.plan.formula for run in runs if run.plan is not None)
+    body += [tag("pre", tag("code", formula), class_="formula") for formula in formulas if formula]
+    names = facts.labels(runs)
+    said = [
+        tag("li", tag("i", class_=f"key run-{i % 8}"), tag("b", name), " – ", facts.verdict(run))
+        for i, (run, name) in enumerate(zip(runs, names, strict=True))
+    ]
+    body.append(tag("ul", said, class_="verdict list"))
+    return tag("header", body)
+
+
+def _warnings(run: Run, of: str) -> Markup:
+    said = []
+    if run.interrupted:
+        total = run.total
+        goal = "" if total is None else f" of {total:,}"
+        said.append(
+            f"{of}This run was cut short at step {run.end:,}{goal}: "
+            "its numbers say where it stood then, not what it would have reached."
+        )
+    said += [f"{of}{note}" for note in run.notes]
+    return concat(tag("p", line, class_="warning", role="note") for line in said)
+
+
+def _results(run: Run) -> Markup:
+    if not facts.greedy(run):
+        return _absent("There is no evaluation to show.")
+    body = [tables.results(run)]
+    said = []
+    if run.final is not None and run.final.episodes is not None:
+        said.append(
+            f"{run.final.episodes} episodes a seed, on evaluation seeds training never sees."
+        )
+    elif run.final is None:
+        said.append("From the last evaluation during training; eval.json is missing.")
+    reached = facts.efficiency(run)
+    if reached is not None:
+        threshold, step = reached
+        when = "is not reached" if step is None else f"is reached after {step:,} steps"
+        said.append(f"90 % of the optimum ({threshold:.2f} visits, mean over seeds) {when}.")
+    area = facts.area(run)
+    if area is not None:
+        said.append(f"Mean height of the learning curve: {area.mean:.2f} ± {area.sd:.2f} visits.")
+    if run.final is not None and run.final.optimum is not None:
+        kind = "exact" if run.final.optimum_exact else "a bound"
+        how = run.final.optimum_how.rstrip(".")
+        how = f": {how}" if how and kind not in how else f" ({how})" if how else ""
+        said.append(f"The optimum of {number(run.final.optimum)} is {kind}{how}.")
+    body.append(tag("p", " ".join(said), class_="caption"))
+    return concat(body)
+
+
+def _comparison(runs: Sequence[Run], names: Sequence[str]) -> Markup:
+    caption = "Greedy policies; mean ± standard deviation over seeds."
+    return concat(tables.comparison(runs, names), tag("p", caption, class_="caption"))
+
+
+def _curves(runs: Sequence[Run], names: Sequence[str]) -> Markup:
+    """One figure a task: runs of other tasks have another optimum and another meaning."""
+    body = []
+    tasks = list(dict.fromkeys(run.name for run in runs))
+    for task in tasks:
+        mine = [(run, name) for run, name in zip(runs, names, strict=True) if run.name == task]
+        some, called = [run for run, _ in mine], [name for _, name in mine]
+        if len(runs) == 1:
+            called = [facts.algorithm(runs[0])]
+        if len(tasks) > 1:
+            body.append(tag("h3", task))
+        main = figures.curves(some, called)
+        small = figures.small_curves(some, called)
+        if main is None:
+            body.append(_absent("There was no evaluation during training."))
+            continue
+        said = "Greedy policies, evaluated during training."
+        body.append(tag("figure", main, tag("figcaption", said)))
+        if small is not None:
+            body.append(small)
+    if len(runs) == 1 and (lost := figures.losses(runs[0])) is not None:
+        body.append(tag("details", tag("summary", "Training losses"), lost))
+    return concat(body)
+
+
+def _of_run(run: Run, of: str, *, first: bool) -> list[tuple[str, Markup]]:
+    count = 0 if run.occupancy is None else run.occupancy.shares.shape[1]
+    if run.plan is not None:
+        count = len(run.plan.ldba.names)
+    elif run.trajectories is not None:
+        count = max(count, int(run.trajectories.states.max()) + 1)
+    states = states_of(run.plan, count)
+    sections = []
+    if first:
+        sections.append((f"Automaton{of}", _automaton(run, states)))
+    occupied = None if _misfit(run, states) else figures.occupancy(run, states)
+    said = (
+        "Share of all seeds' training steps in each automaton state, in the order of the stages: "
+        "learning moves the mass up, towards acceptance."
+    )
+    sections.append(
+        (
+            f"Stage occupancy{of}",
+            _absent("The event log has no stage histogram of this automaton.")
+            if occupied is None
+            else tag("figure", occupied, tag("figcaption", said)),
+        )
+    )
+    shown = None if _misfit(run, states) else figures.paths(run, states)
+    said = (
+        "One greedy episode a seed. The colour is the automaton state in which each step is "
+        "taken; ○ start, filled discs accepting visits, × the sink."
+    )
+    sections.append(
+        (
+            f"Trajectories{of}",
+            _absent("There is no trajectories.npz of this automaton in the run folder.")
+            if shown is None
+            else concat(shown, tag("p", said, class_="caption")),
+        )
+    )
+    return sections
+
+
+def _automaton(run: Run, states: Sequence[State]) -> Markup:
+    if run.plan is None:
+        return _absent("The automaton is not known: plan.json is missing.")
+    drawn = figures.automaton(run)
+    table = tables.stages(run, states)
+    said = (
+        "Stage is SIDX(b), the longest way from the start without acceptance; length is N(b), the "
+        "longest way through b to acceptance; both in edges."
+    )
+    return concat(
+        _absent("It cannot be drawn here: Graphviz is not installed.") if drawn is None else drawn,
+        "" if table is None else table,
+        tag("p", said, class_="caption"),
+    )
+
+
+def _misfit(run: Run, states: Sequence[State]) -> bool:
+    """Whether the log or the trajectories speak of states that the plan does not have."""
+    if run.occupancy is not None and run.occupancy.shares.shape[1] != len(states):
+        return True
+    return run.trajectories is not None and int(run.trajectories.states.max()) >= len(states)
+
+
+def _settings(runs: Sequence[Run], names: Sequence[str]) -> Markup:
+    body = []
+    if len(runs) > 1:
+        table = tables.differences(runs, names)
+        body.append(_absent("All runs have the same settings.") if table is None else table)
+    known = [run for run in runs if run.plan is not None]
+    if not known:
+        return concat(body, _absent("Settings are not known: plan.json is missing."))
+    plan = known[0].plan
+    assert plan is not None
+    rows = [
+        tag(
+            "tr",
+            tag("th", tag("code", p.name), scope="row"),
+            tag("td", tag("code", p.text or p.python)),
+        )
+        for p in plan.predicates
+    ]
+    task = {
+        "environment": plan.environment.id,
+        **{name: str(value) for name, value in plan.environment.kwargs.items()},
+        "horizon": f"{plan.environment.horizon} steps",
+        "demonstrations": _demonstrations(plan.demonstrations.model_dump()),
+        "evaluation": f"{plan.evaluate.episodes} episodes a seed",
+    }
+    if len(runs) > 1:
+        body.append(tag("h3", f"All of {names[runs.index(known[0])]}"))
+    body += [
+        tag("h3", "Task") if len(runs) == 1 else "",
+        tables.pairs(task),
+        tag("div", tag("table", tag("tbody", rows), class_="predicates"), class_="wide"),
+        tag("h3", "Training") if len(runs) == 1 else "",
+        tables.pairs(tables.settings_of(known[0]), tuple(known[0].overrides)),
+    ]
+    return concat(body)
+
+
+def _demonstrations(given: dict[str, object]) -> str:
+    source = given.get("source") or given.get("file") or given.get("minari") or "none"
+    said = f"{given.get('count')} from {source}"
+    if given.get("max_visits"):
+        said += f", each cut after {given['max_visits']} visits"
+    return f"{said}, actions {given.get('actions')}"
+
+
+def _provenance(run: Run, name: str) -> Markup:
+    final = run.final
+    digests = {"plan": run.plan_digest} if run.plan_digest else {}
+    versions = dict(run.versions)
+    if run.plan is not None:
+        digests |= run.plan.digests
+        versions = {"tiloilc": run.plan.version, **versions}
+    body = [tag("h3", name)]
+    body.append(tables.pairs(versions, kind="tight"))
+    if final is not None and final.machine:
+        body.append(tables.pairs(final.machine, kind="tight"))
+    if final is not None and final.git_commit:
+        digests = {"git commit": final.git_commit, **digests}
+    body.append(tables.pairs(digests, kind="digests"))
+    body.append(tag("h4", "To do it again"))
+    body.append(tag("pre", tag("code", "\n".join(_commands(run))), class_="commands"))
+    return concat(body)
+
+
+def _commands(run: Run) -> list[str]:
+    lines = []
+    if run.final is not None and run.final.git_commit:
+        lines.append(f"git checkout {run.final.git_commit}")
+    changed = "".join(f" --set {_quoted(f'{k}={v}')}" for k, v in run.overrides.items())
+    digests = {} if run.plan is None else run.plan.digests
+    spec = next((key[5:] for key in digests if key.startswith("spec:")), f"{run.name}.yaml")
+    lines.append(f"tiloilc compile {_quoted(spec)}")
+    lines.append(f"tiloilc train {_quoted(f'build/{run.name}')}{changed}")
+    lines.append(f"tiloilc eval {_quoted(f'runs/{run.name}/{run.folder}')}")
+    lines.append(f"tiloilc report {_quoted(f'runs/{run.name}/{run.folder}')}")
+    return lines
+
+
+def _quoted(word: str) -> str:
+    import shlex
+
+    return shlex.quote(word)
+
+
+def _reading() -> Markup:
+    about = {
+        one.title: f"{one.about[0].upper()}{one.about[1:]}." for one in facts.METRIC_TEXTS.values()
+    }
+    about["IQM [95 % CI]"] = (
+        "Interquartile mean: the mean over seeds without the lowest and highest quarter, with a "
+        "percentile bootstrap interval over seeds."
+    )
+    about["Greedy, sampled"] = (
+        "Greedy policies take the mean action and are what is reported; sampled ones draw from the "
+        "policy as in training."
+    )
+    return tables.pairs(about, kind="glossary")
+
+
+def _first_of_plan(run: Run, runs: Sequence[Run]) -> bool:
+    """Whether this is the first of the runs with its automaton, so that each is drawn once."""
+    if run.plan is None:
+        return True
+    same = [r for r in runs if r.plan is not None and r.plan.ldba == run.plan.ldba]
+    return same[0] is run
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 120 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def _absent(said: str) -> Markup:
+    return tag("p", said, class_="quiet absent")

@@ -1,0 +1,211 @@
+"""Trajectories over a task's map, one small picture a seed, and as bars of automaton states."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tiloilc.report.markup import Markup, number, tag
+from tiloilc.report.run import Trajectories
+from tiloilc.report.states import State
+
+__all__ = ["Map", "Shape", "map_of", "panels", "timeline"]
+
+SIZE = 220.0
+"""Height of one picture in its own units."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A named disc (`radius` > 0, at `low`) or rectangle from `low` to `high`."""
+
+    name: str
+    color: str
+    low: tuple[float, float]
+    high: tuple[float, float]
+    radius: float = 0.0
+
+
+@dataclass(frozen=True)
+class Map:
+    """What a two-dimensional task looks like; `position` are the observation's x and y."""
+
+    bounds: tuple[float, float, float, float]
+    shapes: tuple[Shape, ...]
+    position: tuple[int, int]
+
+
+def map_of(environment: str, arguments: dict[str, object]) -> Map | None:
+    """The map that the environment publishes by `scene()`; None if it has none or is not there.
+
+    A report of a run must be possible where its environment is not installed, so whatever goes
+    wrong while the environment is made leaves the map out.
+    """
+    import gymnasium
+
+    try:
+        import tiloilc.tasks  # noqa: F401  registers the bundled environments
+
+        env = gymnasium.make(environment, **arguments)
+    except Exception:  # an environment is anyone's code
+        return None
+    try:
+        scene = getattr(env.unwrapped, "scene", None)
+        return None if scene is None else _read(scene())
+    except (AttributeError, TypeError, ValueError):  # another kind of scene
+        return None
+    finally:
+        env.close()
+
+
+def panels(
+    paths: Trajectories, drawn: Map, states: Sequence[State], names: Sequence[str]
+) -> Markup:
+    """A grid of pictures: the map, and over it each seed's path in the colours of its states."""
+    pictures = []
+    for seed, name in enumerate(names):
+        run = paths.states[seed]
+        visits = sum(1 for b in run[1:] if states[b].kind == "accepting")
+        fell = next((t for t, b in enumerate(run) if states[b].kind == "sink"), None)
+        said = f"{visits} visit{'' if visits == 1 else 's'}"
+        if fell is not None:
+            said += f", sink at step {fell}"
+        points = paths.observations[seed][:, list(drawn.position)].astype(np.float64)
+        pictures.append(
+            tag(
+                "figure",
+                _picture(points, run, drawn, states, f"{name}: {said}"),
+                tag("figcaption", tag("b", name), " ", tag("span", said)),
+            )
+        )
+    return tag("div", pictures, class_="panels")
+
+
+def timeline(paths: Trajectories, states: Sequence[State], names: Sequence[str]) -> Markup:
+    """The automaton state at each step of one episode a seed, as a row of coloured bars."""
+    last = paths.states.shape[1] - 1
+    left, row, width = 74.0, 16.0, 720.0
+    scale = (width - left - 10) / (last + 1)
+    body = []
+    for seed, name in enumerate(names):
+        y = seed * row
+        body.append(tag("text", name, class_="tick y", x=left - 8, y=y + 12))
+        for start, stop in _stretches(paths.states[seed]):
+            state = states[paths.states[seed][start]]
+            about = tag("title", f"{name}, steps {start}–{stop - 1}: {state.label}")
+            body.append(
+                tag(
+                    "rect", about, x=left + start * scale, y=y + 1.5,
+                    width=max((stop - start) * scale, 0.75), height=row - 3, fill=state.color,
+                )
+            )  # fmt: skip
+    base = len(names) * row
+    for step in range(0, last + 1, max(1, _round(last / 5))):
+        x = left + step * scale
+        body.append(tag("line", class_="axis", x1=x, x2=x, y1=base, y2=base + 4))
+        body.append(tag("text", str(step), class_="tick x", x=x, y=base + 17))
+    middle = left + (width - left) / 2
+    body.append(tag("text", "step of the episode", class_="label x", x=middle, y=base + 35))
+    title = "Automaton state at each step of one greedy episode a seed"
+    return tag(
+        "svg", tag("title", title), body, class_="chart timeline", role="img", aria_label=title,
+        viewBox=f"0 0 {number(width)} {number(base + 42)}", width=width, height=base + 42,
+    )  # fmt: skip
+
+
+def _picture(
+    points: npt.NDArray[np.float64],
+    run: npt.NDArray[np.int64],
+    drawn: Map,
+    states: Sequence[State],
+    title: str,
+) -> Markup:
+    x_min, y_min, x_max, y_max = drawn.bounds
+    scale = SIZE / max(y_max - y_min, (x_max - x_min) / 3)
+    width, height = (x_max - x_min) * scale, (y_max - y_min) * scale
+    placed = np.stack([(points[:, 0] - x_min) * scale, (y_max - points[:, 1]) * scale], axis=1)
+    body = [tag("rect", class_="ground", width=width, height=height)]
+    zones = [_shape(shape, x_min, y_max, scale) for shape in drawn.shapes]
+    body += [area for area, _ in zones]
+    body += [name for _, name in zones]  # over all areas, for areas overlap
+    fell = next((t for t, b in enumerate(run) if states[b].kind == "sink"), len(run) - 1)
+    lines, dots = [], []
+    for start, stop in _stretches(run[: fell + 1]):
+        way = placed[start : min(stop, fell) + 1]
+        color = states[run[start]].color
+        path = " ".join(f"{number(x)},{number(y)}" for x, y in way)
+        lines.append(tag("polyline", points=path, stroke=color))
+        dots += [tag("circle", cx=x, cy=y, r=1.7, fill=color) for x, y in placed[start:stop]]
+    body.append(tag("g", lines, class_="way"))
+    body.append(tag("g", dots, class_="steps"))
+    for t in range(1, fell + 1):
+        if states[run[t]].kind == "accepting" and len(run) <= 120:
+            at = {"cx": placed[t, 0], "cy": placed[t, 1]}
+            about = tag("title", f"step {t}: accepting")
+            body.append(tag("circle", about, class_="goal", r=4.6, fill=states[run[t]].color, **at))
+    body.append(tag("circle", tag("title", "start"), class_="start", r=4.6,
+                    cx=placed[0, 0], cy=placed[0, 1]))  # fmt: skip
+    if states[run[fell]].kind == "sink":
+        x, y = (number(v) for v in placed[fell])
+        about = tag("title", f"step {fell}: sink")
+        body.append(tag("path", about, class_="fell", d=f"M{x},{y}m-5,-5l10,10m0,-10l-10,10"))
+    return tag("svg", tag("title", title), body, class_="scene", role="img", aria_label=title,
+               viewBox=f"0 0 {number(width)} {number(height)}")  # fmt: skip
+
+
+def _shape(shape: Shape, x_min: float, y_max: float, scale: float) -> tuple[Markup, Markup]:
+    """A zone's area and its name."""
+    x, y = (shape.low[0] - x_min) * scale, (y_max - shape.low[1]) * scale
+    style = {"class_": "zone", "fill": shape.color, "stroke": shape.color}
+    about = tag("title", shape.name)
+    if shape.radius:
+        area = tag("circle", about, cx=x, cy=y, r=shape.radius * scale, **style)
+        middle = (x, y)
+    else:
+        across = (shape.high[0] - shape.low[0]) * scale
+        up = (shape.high[1] - shape.low[1]) * scale
+        area = tag("rect", about, x=x, y=y - up, width=across, height=up, **style)
+        middle = (x + across / 2, y - up / 2)
+    name = tag("text", shape.name, class_="zone-name", x=middle[0], y=middle[1] + 4)
+    return area, name
+
+
+def _read(scene: object) -> Map:
+    """A scene of any class that has the attributes of `tiloilc.tasks.scene.Scene`."""
+    x_min, y_min, x_max, y_max = (float(edge) for edge in getattr(scene, "bounds"))  # noqa: B009
+    shapes = []
+    for shape in getattr(scene, "shapes"):  # noqa: B009
+        round_ = hasattr(shape, "radius")
+        low = shape.center if round_ else shape.low
+        high = low if round_ else shape.high
+        shapes.append(
+            Shape(
+                str(shape.name),
+                str(shape.color),
+                (float(low[0]), float(low[1])),
+                (float(high[0]), float(high[1])),
+                float(shape.radius) if round_ else 0.0,
+            )
+        )
+    across, up = getattr(scene, "position", (0, 1))
+    return Map((x_min, y_min, x_max, y_max), tuple(shapes), (int(across), int(up)))
+
+
+def _stretches(run: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
+    """The stretches [start, stop) of equal states."""
+    cuts = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(run)]
+    return list(itertools.pairwise(cuts))
+
+
+def _round(value: float) -> int:
+    """The nearest of 1, 2, 5, 10, 20, 50, … at or above `value`."""
+    step = 1
+    while True:
+        for factor in (1, 2, 5):
+            if factor * step >= value:
+                return factor * step
+        step *= 10

@@ -1,0 +1,208 @@
+"""The tables of a report: results over seeds, comparison of runs, stages, settings, provenance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from tiloilc.evaluate import Summary
+from tiloilc.report import facts
+from tiloilc.report.charts import short, strip
+from tiloilc.report.markup import Markup, number, tag
+from tiloilc.report.reading import Floats
+from tiloilc.report.run import Run
+from tiloilc.report.states import State
+
+__all__ = ["comparison", "differences", "pairs", "results", "settings_of", "stages"]
+
+
+def results(run: Run) -> Markup:
+    """One row a metric: mean ± sd, IQM with interval and dots; then what it is compared with."""
+    values = facts.greedy(run)
+    policies = {} if run.final is None else run.final.policies
+    sampled, cloned = policies.get("stochastic", {}), facts.cloning(run)
+    heads = ["Greedy policy", "mean ± sd", "IQM [95 % CI]", "every seed"]
+    heads += ["sampled policy"] if sampled else []
+    heads += ["cloning alone"] if cloned else []
+    best, _ = facts.levels_of(run, facts.VISITS)
+    heads += ["optimum"] if best is not None else []
+    rows = []
+    for name, about in facts.METRIC_TEXTS.items():
+        column = values.get(name)
+        over = facts.summary(column)
+        if column is None or over is None:
+            continue
+        unit = about.unit
+        if name == "eventual_return" and run.final is not None and run.final.gamma is not None:
+            unit = f"γ = {number(run.final.gamma)}"
+        if name == "first_visit" and over.count < len(run.seeds):
+            unit += f", {over.count} of {len(run.seeds)} seeds"
+        cells = [
+            tag("th", about.title, tag("small", unit), scope="row", title=about.about),
+            tag("td", plus_minus(over, about), class_="num strong"),
+            tag("td", iqm(over, about), class_="num"),
+            tag("td", dots(run, name, column, over, best), class_="dots"),
+        ]
+        if sampled:
+            cells.append(tag("td", _brief(sampled.get(name), about), class_="num"))
+        if cloned:
+            cells.append(tag("td", _brief(cloned.get(name), about), class_="num"))
+        if best is not None:
+            shown = number(best) if name == facts.VISITS else ""
+            cells.append(tag("td", shown, class_="num"))
+        rows.append(tag("tr", cells))
+    return _table(heads, rows, "results")
+
+
+def comparison(runs: Sequence[Run], names: Sequence[str]) -> Markup:
+    """One row a run; runs of one task share the scale of their dots."""
+    heads = ["Run", "seeds", "steps", "accepting visits", "IQM [95 % CI]", "every seed"]
+    heads += ["optimum", "eventual return", "violations", "90 % of optimum after"]
+    visits = facts.METRIC_TEXTS[facts.VISITS]
+    rows = []
+    for i, (run, name) in enumerate(zip(runs, names, strict=True)):
+        key = tag("i", class_=f"key run-{i % 8}")
+        cells = [tag("th", key, name, scope="row")]
+        cells.append(tag("td", str(len(run.seeds)), class_="num"))
+        note = tag("small", "cut short") if run.interrupted else ""
+        cells.append(tag("td", f"{run.end:,}", note, class_="num"))
+        values = facts.greedy(run)
+        column = values.get(facts.VISITS)
+        over = facts.summary(column)
+        best, _ = facts.levels_of(run, facts.VISITS)
+        if column is None or over is None:
+            cells.append(tag("td", "not evaluated", colspan="3"))
+        else:
+            peers = [facts.greedy(r).get(facts.VISITS) for r in runs if r.name == run.name]
+            highest = max(float(np.nanmax(p)) for p in peers if p is not None and len(p))
+            cells += [
+                tag("td", plus_minus(over, visits), class_="num strong"),
+                tag("td", iqm(over, visits), class_="num"),
+                tag(
+                    "td",
+                    dots(run, facts.VISITS, column, over, max(best or 0.0, highest)),
+                    class_="dots",
+                ),
+            ]
+        cells.append(tag("td", "–" if best is None else number(best), class_="num"))
+        for metric in ("eventual_return", "violation_rate"):
+            shown = _brief(values.get(metric), facts.METRIC_TEXTS[metric])
+            cells.append(tag("td", shown, class_="num"))
+        reached = facts.efficiency(run)
+        step = None if reached is None else reached[1]
+        shown = "–" if reached is None else "never" if step is None else short(step)
+        cells.append(tag("td", shown, class_="num"))
+        rows.append(tag("tr", cells))
+    return _table(heads, rows, "results comparison")
+
+
+def stages(run: Run, states: Sequence[State]) -> Markup | None:
+    """The automaton's states with their place in the stage order; None without a plan."""
+    if run.plan is None:
+        return None
+    order = run.plan.stages
+    rows = []
+    for state in states:
+        b = state.number
+        dead = state.kind == "sink"
+        rows.append(
+            tag(
+                "tr",
+                tag("th", tag("i", class_="swatch", style=f"background:{state.color}"),
+                    state.short, scope="row"),
+                tag("td", tag("code", state.name) if state.name else ""),
+                tag("td", "" if state.kind == "live" else state.kind),
+                tag("td", "–" if dead else str(order.index[b]), class_="num"),
+                tag("td", "–" if dead else str(order.length[b]), class_="num"),
+                tag("td", "–" if dead else str(order.distance[b]), class_="num"),
+            )
+        )  # fmt: skip
+    heads = ["State", "what is left to do", "", "stage", "length", "to acceptance"]
+    return _table(heads, rows, "stages")
+
+
+def settings_of(run: Run) -> dict[str, str]:
+    """Every setting of training as text, overrides applied, in the order of the settings."""
+    if run.plan is None:
+        return dict(run.overrides)
+    given: dict[str, object] = run.plan.train.model_dump(mode="json")
+    shown = {name: _setting(value) for name, value in given.items()}
+    return shown | run.overrides
+
+
+def differences(runs: Sequence[Run], names: Sequence[str]) -> Markup | None:
+    """The settings in which runs differ, one column a run; None if there are none."""
+    given = [settings_of(run) for run in runs]
+    keys = list(dict.fromkeys(key for one in given for key in one))
+    rows = []
+    for key in keys:
+        values = [one.get(key, "–") for one in given]
+        if len(set(values)) > 1:
+            cells = [tag("td", tag("code", value)) for value in values]
+            rows.append(tag("tr", tag("th", tag("code", key), scope="row"), cells))
+    return _table(["Setting", *names], rows, "differences") if rows else None
+
+
+def pairs(values: Mapping[str, str], marked: Sequence[str] = (), *, kind: str = "") -> Markup:
+    """Names and values side by side, in as many columns as fit; `marked` ones stand out."""
+    items = [
+        tag(
+            "div",
+            tag("dt", name),
+            tag("dd", value, tag("small", "overridden") if name in marked else ""),
+            class_="marked" if name in marked else None,
+        )
+        for name, value in values.items()
+    ]
+    return tag("dl", items, class_=f"pairs {kind}".strip())
+
+
+def plus_minus(over: Summary, about: facts.MetricText) -> str:
+    """Mean ± standard deviation, the unit once."""
+    if over.count == 1:
+        return about.show(over.mean)
+    if about.share:
+        return f"{over.mean * 100:.1f} ± {over.sd * 100:.1f} %"
+    return f"{over.mean:.2f} ± {over.sd:.2f}"
+
+
+def iqm(over: Summary, about: facts.MetricText) -> str:
+    """Interquartile mean and its interval, the unit once."""
+    low, high = over.iqm_interval.low, over.iqm_interval.high
+    if about.share:
+        return f"{over.iqm * 100:.1f} [{low * 100:.1f}, {high * 100:.1f}] %"
+    return f"{over.iqm:.2f} [{low:.2f}, {high:.2f}]"
+
+
+def dots(run: Run, metric: str, column: Floats, over: Summary, best: float | None) -> Markup:
+    """The seeds on a line from 0 to 1, to the optimum, or to the greatest value."""
+    about = facts.METRIC_TEXTS[metric]
+    high = 1.0 if about.share else float(np.nanmax(column))
+    if metric == facts.VISITS and best is not None:
+        high = max(high, best)
+    names = [f"seed {seed}" for seed in run.seeds]
+    return strip(column, names, over, 0.0, high, about.show)
+
+
+def _brief(values: Floats | None, about: facts.MetricText) -> str:
+    over = facts.summary(values)
+    return "–" if over is None else plus_minus(over, about)
+
+
+def _setting(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, int):
+        return f"{value:,}"
+    if isinstance(value, list):
+        return " × ".join(_setting(item) for item in value)
+    return str(value)
+
+
+def _table(heads: Sequence[str], rows: Sequence[Markup], kind: str) -> Markup:
+    head = tag("tr", [tag("th", name, scope="col") for name in heads])
+    table = tag("table", tag("thead", head), tag("tbody", rows), class_=kind)
+    return tag("div", table, class_="wide")
