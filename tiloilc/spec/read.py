@@ -123,8 +123,8 @@ def examine_text(text: str, file: str) -> tuple[Document, Spec | None, tuple[Dia
     except ValidationError as error:
         said = {(f.span.line, f.span.column) for f in found if f.span}
         for finding in model_findings(error, root):
-            span = finding.span
-            if finding.code != "SPEC103" or span is None or (span.line, span.column) not in said:
+            place = finding.span
+            if finding.code != "SPEC103" or place is None or (place.line, place.column) not in said:
                 found.append(finding)
     return document, spec, tuple(sorted(dict.fromkeys(found), key=Diagnostic.sort_key))
 
