@@ -112,9 +112,10 @@ class FlatWorldVectorEnv(BatchedEnv):
         else:
             initial = np.flatnonzero((np.abs(points[kept] - START) < spacing / 2).all(axis=1))
         how = f"dynamic programming on a lattice of {len(kept)} positions {spacing:g} m apart: "
-        how += "a lower bound, reached by real actions"
         if self.random_start:
-            how += ", averaged over the lattice's free positions"
+            how += "an estimate, the mean over the lattice's free positions"
+        else:
+            how += "a lower bound, reached by real actions"
         return FiniteModel(
             observations=points[kept].astype(np.float32),
             successor=np.where(reached >= 0, reached, stay).astype(np.int64),

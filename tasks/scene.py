@@ -73,7 +73,8 @@ def rasterise(
     dot = (y_max - y_min) / 40
     points = [] if trace is None else [(float(p[0]), float(p[1])) for p in trace]
     for point in points:
-        frame[_covers(Circle("", TRACE, point, dot / 2), grid_x, grid_y)] = _rgb(TRACE)
+        mark = Circle("", TRACE, point, max(dot / 2, 0.8 / scale))
+        frame[_covers(mark, grid_x, grid_y)] = _rgb(TRACE)
     place = (float(agent[0]), float(agent[1]))
     frame[_covers(Circle("", AGENT, place, dot), grid_x, grid_y)] = _rgb(AGENT)
     return frame

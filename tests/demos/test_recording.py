@@ -1,0 +1,206 @@
+from collections.abc import Callable
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from tests.demos.examples import (
+    BLUE,
+    GREEN,
+    RED,
+    YELLOW,
+    bits,
+    chain,
+    circular,
+    corridor,
+    sequential,
+    staying,
+)
+from tiloilc.automaton.ldba import Cube, Edge, Ldba
+from tiloilc.demos import bundled, demonstrations_for, expert_names, record, replay, save
+from tiloilc.diag import CompileError
+from tiloilc.spec.model import Demonstrations, Environment
+
+FLAT = bits(RED, GREEN, YELLOW, BLUE)
+CYCLE = chain("rgy", cyclic=True, avoid="b")
+THEN_GREEN = Ldba(
+    ("r", "g", "y", "b"),
+    ("red or yellow", "green", "done", "sink"),
+    frozenset({2}),
+    3,
+    (
+        Edge(0, 0, (Cube(13, 0),)),
+        Edge(0, 1, (Cube(9, 1), Cube(13, 4))),
+        Edge(0, 3, (Cube(8, 8),)),
+        Edge(1, 1, (Cube(10, 0),)),
+        Edge(1, 2, (Cube(10, 2),)),
+        Edge(1, 3, (Cube(8, 8),)),
+        Edge(2, 2, (Cube(8, 0),)),
+        Edge(2, 3, (Cube(8, 8),)),
+        Edge(3, 3, (Cube(0, 0),)),
+    ),
+)
+TASKS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], Ldba, int]] = {
+    "flatworld_cycle": (FLAT, CYCLE, 2),
+    "flatworld_disjunction": (FLAT, THEN_GREEN, 1),
+    "flatworld_stabilization": (bits(YELLOW, BLUE), staying(), 10),
+}
+LEVELS = ("easy", "medium", "hard")
+for i, level in enumerate(LEVELS):
+    avoid = chain("a", cyclic=False, avoid="z")
+    TASKS[f"grid_avoid_{level}"] = (corridor((7, 9, 11)[i]), avoid, 1)
+    row = chain("abcde"[: i + 3], cyclic=False)
+    TASKS[f"grid_sequential_{level}"] = (sequential(i + 3), row, 1)
+    round_trip = chain("abcd"[: i + 2], cyclic=True, avoid="z")
+    TASKS[f"grid_circular_{level}"] = (circular(i + 2), round_trip, 2)
+
+
+@pytest.mark.parametrize("name", sorted(TASKS))
+def test_bundled_demonstrations_accept_and_never_violate(name: str) -> None:
+    labels, ldba, visits = TASKS[name]
+    demos = bundled(name)
+    assert demos is not None
+    assert len(demos) == 5
+    assert demos.has_actions
+    for demo in demos.episodes:
+        run = replay(demo.observations, labels, ldba)
+        assert run.violates_at is None
+        assert run.visits >= visits
+        if "cycle" in name or "circular" in name:
+            assert run.visits == 2, "at most two visits on cyclic tasks"
+
+
+@pytest.mark.parametrize("name", sorted(TASKS))
+def test_bundled_demonstrations_are_what_recording_makes(name: str, workdir: Path) -> None:
+    demos = bundled(name)
+    assert demos is not None
+    made = demos.meta["environment"]
+    again = record(made["id"], made["kwargs"], horizon=made["horizon"], expert=demos.meta["expert"])
+    save("bundled.npz", demos)
+    save("again.npz", again)
+    assert Path("bundled.npz").read_bytes() == Path("again.npz").read_bytes()
+    assert {**demos.meta, "versions": 0} == {**again.meta, "versions": 0}
+
+
+@pytest.mark.parametrize("name", sorted(TASKS))
+def test_bundled_actions_lead_from_each_state_to_the_next(name: str) -> None:
+    demos = bundled(name)
+    assert demos is not None
+    made = demos.meta["environment"]
+    env = gym.make(made["id"], **made["kwargs"])
+    for seed, demo in zip(demos.meta["seeds"], demos.episodes, strict=True):
+        seen = [env.reset(seed=seed)[0]]
+        assert demo.actions is not None
+        seen += [env.step(action)[0] for action in demo.actions]
+        np.testing.assert_array_equal(np.array(seen, np.float32), demo.observations)
+
+
+def test_both_ways_to_green_are_demonstrated() -> None:
+    demos = bundled("flatworld_disjunction")
+    assert demos is not None
+    by_red = [bool(RED(demo.observations).any()) for demo in demos.episodes]
+    assert 0 < sum(by_red) < 5
+
+
+def test_the_sidecar_says_what_was_recorded() -> None:
+    demos = record("tiloilc/FlatWorld-v0", {"dt": 0.3}, horizon=20, expert="cycle", count=2, seed=7)
+    assert demos.meta["environment"] == {
+        "id": "tiloilc/FlatWorld-v0",
+        "kwargs": {"dt": 0.3},
+        "horizon": 20,
+    }
+    assert demos.meta["expert"] == "cycle"
+    assert demos.meta["fields"] == {"pos": [0, 2]}
+    assert demos.meta["seeds"] == [7, 8]
+    assert set(demos.meta["versions"]) == {"gymnasium", "numpy", "tiloilc"}
+
+
+def test_other_seeds_give_other_demonstrations() -> None:
+    one, two = (
+        record("tiloilc/FlatWorld-v0", horizon=50, expert="cycle", count=1, seed=s) for s in (0, 1)
+    )
+    assert one.episodes[0].observations.tobytes() != two.episodes[0].observations.tobytes()
+
+
+def test_an_unknown_expert_is_a_finding_that_names_the_known() -> None:
+    with pytest.raises(CompileError) as raised:
+        record("tiloilc/FlatWorld-v0", horizon=5, expert="nobody")
+    (diagnostic,) = raised.value.diagnostics
+    assert diagnostic.code == "DEMO506"
+    assert diagnostic.help == "its experts: stabilization, cycle, disjunction"
+
+
+def test_an_environment_without_experts_is_a_finding() -> None:
+    assert expert_names("CartPole-v1") == ()
+    with pytest.raises(CompileError) as raised:
+        record("CartPole-v1", horizon=5)
+    assert [d.code for d in raised.value.diagnostics] == ["DEMO506"]
+
+
+def asked(**more: object) -> Demonstrations:
+    return Demonstrations.model_validate({"source": "expert", **more})
+
+
+FLATWORLD = Environment(id="tiloilc/FlatWorld-v0", horizon=50)
+
+
+def test_the_expert_of_a_named_task_is_the_bundled_one(workdir: Path) -> None:
+    demos = demonstrations_for(
+        asked(), FLATWORLD, FLAT, CYCLE, name="flatworld_cycle", folder=workdir
+    )
+    ours = bundled("flatworld_cycle")
+    assert ours is not None
+    assert demos.episodes[0].observations.tobytes() == ours.episodes[0].observations.tobytes()
+    assert not demos.has_actions, "states only, unless recorded actions are asked for"
+
+
+@pytest.mark.parametrize(
+    ("labels", "ldba", "expert"),
+    [
+        (FLAT, CYCLE, "cycle"),
+        (bits(YELLOW, BLUE), staying(), "stabilization"),
+    ],
+)
+def test_under_another_name_the_expert_that_the_automaton_accepts_most_is_recorded(
+    labels: Callable[[np.ndarray], np.ndarray], ldba: Ldba, expert: str, workdir: Path
+) -> None:
+    demos = demonstrations_for(
+        asked(count=7, actions="recorded"), FLATWORLD, labels, ldba, name="mine", folder=workdir
+    )
+    assert demos.meta["expert"] == expert
+    assert len(demos) == 7
+    assert demos.has_actions
+
+
+def test_bundled_demonstrations_of_another_variant_are_not_taken(workdir: Path) -> None:
+    other = Environment(id="tiloilc/FlatWorld-v0", kwargs={"dt": 0.2}, horizon=90)
+    demos = demonstrations_for(asked(), other, FLAT, CYCLE, name="flatworld_cycle", folder=workdir)
+    assert demos.meta["environment"]["kwargs"] == {"dt": 0.2}
+
+
+def test_a_file_is_found_beside_the_task_file(workdir: Path) -> None:
+    ours = bundled("flatworld_cycle")
+    assert ours is not None
+    (workdir / "below").mkdir()
+    save(workdir / "below" / "d.npz", ours.without_actions())
+    wanted = Demonstrations(file="d.npz", count=3)
+    demos = demonstrations_for(wanted, FLATWORLD, FLAT, CYCLE, name="x", folder=workdir / "below")
+    assert len(demos) == 3
+
+
+def test_recorded_actions_that_are_not_there_are_a_finding(workdir: Path) -> None:
+    ours = bundled("flatworld_cycle")
+    assert ours is not None
+    save("d.npz", ours.without_actions())
+    wanted = Demonstrations(file="d.npz", actions="recorded")
+    with pytest.raises(CompileError) as raised:
+        demonstrations_for(wanted, FLATWORLD, FLAT, CYCLE, name="x", folder=workdir)
+    assert [d.code for d in raised.value.diagnostics] == ["DEMO505"]
+
+
+def test_a_task_file_without_demonstrations_has_none(workdir: Path) -> None:
+    none = demonstrations_for(
+        Demonstrations(), FLATWORLD, FLAT, CYCLE, name="flatworld_cycle", folder=workdir
+    )
+    assert len(none) == 0
