@@ -61,7 +61,7 @@ def is_eventual(formula: Formula) -> bool:
         case Until(_, right):
             return is_eventual(right)
         case _:
-            return all([is_eventual(child) for child in formula.children])
+            return all(is_eventual(child) for child in formula.children)
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -75,7 +75,7 @@ def is_universal(formula: Formula) -> bool:
         case Release(_, right):
             return is_universal(right)
         case _:
-            return all([is_universal(child) for child in formula.children])
+            return all(is_universal(child) for child in formula.children)
 
 
 def is_suspendable(formula: Formula) -> bool:

@@ -57,13 +57,12 @@ def absorption(f: Formula) -> Formula:
 
 
 def unit(f: Formula) -> Formula:
-    """`a & (!a | b)` to `a & b`, `a | (!a & b)` to `a | b`."""
+    """`a & (!a | b)` to `a & b`, `a & (a & b | c)` to `a & (b | c)`: in the light of the others."""
     match f:
         case And(operands):
-            return conjunction([_without_excluded(o, operands) for o in operands])
+            return conjunction(_relative(operands))
         case Or(operands):
-            denied = [negated(o) for o in operands]
-            return disjunction([negated(_without_excluded(o, denied)) for o in denied])
+            return disjunction([negated(o) for o in _relative([negated(o) for o in operands])])
     return f
 
 
@@ -180,14 +179,21 @@ def _strongest(operands: Sequence[Formula]) -> list[Formula]:
     return kept
 
 
-def _without_excluded(operand: Formula, beside: Sequence[Formula]) -> Formula:
-    """`operand` without the cases that another formula of `beside` rules out."""
-    if not isinstance(operand, Or):
-        return operand
-    others = [other for other in beside if other is not operand]
-    return disjunction(
-        [case for case in operand.operands if not any(excludes(case, o) for o in others)]
-    )
+def _relative(operands: Sequence[Formula]) -> list[Formula]:
+    """The conjuncts without what others rule out or say already; one by one, to be sound."""
+    kept = list(operands)
+    for place, operand in enumerate(kept):
+        if isinstance(operand, Or):
+            others = kept[:place] + kept[place + 1 :]
+            cases = [c for c in operand.operands if not any(excludes(c, o) for o in others)]
+            kept[place] = disjunction([_without_implied(case, others) for case in cases])
+    return kept
+
+
+def _without_implied(case: Formula, others: Sequence[Formula]) -> Formula:
+    if not isinstance(case, And):
+        return case
+    return conjunction([c for c in case.operands if not any(implies(o, c) for o in others)])
 
 
 def _gathered(

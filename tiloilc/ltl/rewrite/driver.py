@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import is_
 
 from tiloilc.ltl.ast import (
     And,
     Binary,
     Formula,
-    Junction,
     Or,
     Unary,
     conjunction,
@@ -48,10 +48,15 @@ None touches the order in `G F (a & X F b)`: it is not in the language, but in t
 MAX_ROUNDS = 50
 """Formulas settle in a few rounds; stopping early is never wrong, only less simple."""
 
+MAX_SIZE = 2_000
+"""Operators and leaves. Larger normal forms (towers of <->) stay as they are: rules would crawl."""
+
 
 def simplify(formula: Formula) -> Formula:
     """A simpler equivalent of `formula`, in negation normal form."""
     current = nnf(formula)
+    if _size(current) > MAX_SIZE:
+        return current
     for _ in range(MAX_ROUNDS):
         following = _round(current)
         if following == current:
@@ -70,12 +75,24 @@ def _round(formula: Formula) -> Formula:
 
 def _by_rules(part: Formula) -> Formula:
     for rule in RULES:
-        part = rule(part)
+        changed = rule(part)
+        if changed != part:  # else keep the object itself: equal objects compare fast
+            part = changed
     return part
+
+
+def _size(formula: Formula) -> int:
+    """Operators and leaves of the tree, shared parts counted as often as they appear."""
+    size: dict[Formula, int] = {}
+    for part in subformulas(formula):
+        size[part] = 1 + sum(size[child] for child in part.children)
+    return size[formula]
 
 
 def _over(part: Formula, operands: list[Formula]) -> Formula:
     """The operator of `part` over other operands."""
+    if all(map(is_, operands, part.children)):
+        return part
     match part:
         case And():
             return conjunction(operands)
@@ -83,5 +100,4 @@ def _over(part: Formula, operands: list[Formula]) -> Formula:
             return disjunction(operands)
         case Unary() | Binary():
             return type(part)(*operands)
-    assert not isinstance(part, Junction)
     return part

@@ -58,9 +58,9 @@ def _implies(f: Formula, g: Formula) -> bool:
     if isinstance(f, Constant) or isinstance(g, Constant):
         return f == Constant(False) or g == Constant(True)
     if isinstance(g, And):
-        return all([_implies(f, part) for part in g.operands])
+        return all(_implies(f, part) for part in g.operands)
     if isinstance(f, Or):
-        return all([_implies(part, g) for part in f.operands])
+        return all(_implies(part, g) for part in f.operands)
     if isinstance(g, Or) and any(_implies(f, part) for part in g.operands):
         return True
     if isinstance(f, And) and any(_implies(part, g) for part in f.operands):

@@ -62,7 +62,7 @@ def idempotence(f: Formula) -> Formula:
 
 
 def next_outwards(f: Formula) -> Formula:
-    """`F X a` to `X F a`, `X a U X b` to `X (a U b)`: what comes first is what can be waited for."""
+    """`F X a` to `X F a`, `X a U X b` to `X (a U b)`."""
     match f:
         case Eventually(Next(a)):
             return Next(Eventually(a))
