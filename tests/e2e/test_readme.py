@@ -28,7 +28,8 @@ import pytest
 COPIED = ("specs", "examples", "results", "tasks", "README.md", "pyproject.toml")
 """What of the checkout the commands find in their folder."""
 
-LANGUAGES = ("console", "bash")
+PAGES = ("README.md", "examples/own_environment/README.md", "examples/own_demonstrations/README.md")
+"""Pages with commands; those of the examples are run by test_examples.py."""
 
 BLOCK = re.compile(
     r"(?:^<!-- *test: *(?P<mark>[^>]*?) *-->\n\n?)?"
@@ -109,26 +110,27 @@ def test_all_commands_of_the_readme_run_in_order(readme: list[Block], folder: Pa
             run(block, folder)
 
 
-def test_every_mark_is_known_and_every_named_test_exists(readme: list[Block], root: Path) -> None:
-    for block in readme:
+@pytest.mark.parametrize("page", PAGES)
+def test_every_mark_is_known_and_every_named_test_exists(page: str, root: Path) -> None:
+    for block in blocks((root / page).read_text(encoding="utf-8")):
         if block.mark in ("", "slow"):
             continue
         path, separator, name = block.mark.partition("::")
-        assert separator, f"README.md:{block.line}: `{block.mark}` is no mark"
+        assert separator, f"{page}:{block.line}: `{block.mark}` is no mark"
         tree = ast.parse((root / path).read_text(encoding="utf-8"))
         functions = {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
-        assert name in functions, f"README.md:{block.line}: no test {block.mark}"
+        assert name in functions, f"{page}:{block.line}: no test {block.mark}"
 
 
-def test_no_block_escapes_the_harness(readme: list[Block], root: Path) -> None:
-    text = (root / "README.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", PAGES)
+def test_no_block_escapes_the_harness(page: str, root: Path) -> None:
+    text = (root / page).read_text(encoding="utf-8")
     fences = re.findall(r"^( *)```(\S*)", text, re.MULTILINE)
     assert [indent for indent, _ in fences if indent] == [], "an indented block is not read"
     opened = [language for _, language in fences][::2]
     assert all(opened), "a block without a language"
-    commands = [language for language in opened if language in LANGUAGES]
-    assert len(commands) == len(readme)
     assert {"sh", "shell", "zsh", "shell-session"}.isdisjoint(opened), "say console or bash"
+    assert sum(language in ("console", "bash") for language in opened) == len(blocks(text))
 
 
 def test_blocks_are_read_with_their_marks_and_without_their_output() -> None:
