@@ -18,7 +18,16 @@ from tests.demos.examples import (
     staying,
 )
 from tiloilc.automaton.ldba import Cube, Edge, Ldba
-from tiloilc.demos import bundled, demonstrations_for, expert_names, record, replay, save
+from tiloilc.demos import (
+    bundled,
+    demonstrations_for,
+    expert_names,
+    record,
+    record_best,
+    replay,
+    save,
+)
+from tiloilc.demos.__main__ import main
 from tiloilc.diag import CompileError
 from tiloilc.spec.model import Demonstrations, Environment
 
@@ -162,7 +171,7 @@ def test_the_expert_of_a_named_task_is_the_bundled_one(workdir: Path) -> None:
         (bits(YELLOW, BLUE), staying(), "stabilization"),
     ],
 )
-def test_under_another_name_the_expert_that_the_automaton_accepts_most_is_recorded(
+def test_under_another_name_the_expert_that_is_accepted_earliest_is_recorded(
     labels: Callable[[np.ndarray], np.ndarray], ldba: Ldba, expert: str, workdir: Path
 ) -> None:
     demos = demonstrations_for(
@@ -171,6 +180,19 @@ def test_under_another_name_the_expert_that_the_automaton_accepts_most_is_record
     assert demos.meta["expert"] == expert
     assert len(demos) == 7
     assert demos.has_actions
+
+
+def test_of_experts_that_are_all_accepted_the_one_the_task_is_named_after_is_taken() -> None:
+    for name in ("cycle", "disjunction"):
+        demos = record_best(FLATWORLD, FLAT, THEN_GREEN, name=f"my_{name}", count=3)
+        assert demos.meta["expert"] == name
+
+
+def test_bundled_demonstrations_that_are_not_accepted_are_not_taken(workdir: Path) -> None:
+    ours = demonstrations_for(
+        asked(), FLATWORLD, FLAT, CYCLE, name="flatworld_stabilization", folder=workdir
+    )
+    assert ours.meta["expert"] == "cycle", "as someone would see who changed only the formula"
 
 
 def test_bundled_demonstrations_of_another_variant_are_not_taken(workdir: Path) -> None:
@@ -204,3 +226,25 @@ def test_a_task_file_without_demonstrations_has_none(workdir: Path) -> None:
         Demonstrations(), FLATWORLD, FLAT, CYCLE, name="flatworld_cycle", folder=workdir
     )
     assert len(none) == 0
+
+
+def test_the_command_makes_the_bundled_demonstrations_again(
+    workdir: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names = ["flatworld_cycle", "flatworld_disjunction", "grid_circular_medium"]
+    assert main(["-o", "made", *names]) == 0
+    for name in names:
+        ours = bundled(name)
+        assert ours is not None
+        save("ours.npz", ours)
+        assert Path(f"made/{name}.npz").read_bytes() == Path("ours.npz").read_bytes()
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert len(output.err.splitlines()) == 3
+
+
+def test_the_command_reports_a_task_file_that_is_not_there(
+    workdir: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["nowhere"]) == 1
+    assert capsys.readouterr().err.startswith("error[SPEC105]: cannot read `nowhere`")

@@ -5,7 +5,7 @@ from tiloilc.demos.files import load, save
 from tiloilc.demos.model import Demo, DemoSet
 from tiloilc.demos.recording import expert_names, record
 from tiloilc.demos.replay import Labels, Replay, best_run, replay, replay_all
-from tiloilc.demos.sources import bundled, demonstrations_for
+from tiloilc.demos.sources import bundled, demonstrations_for, record_best
 
 __all__ = [
     "Demo",
@@ -21,6 +21,7 @@ __all__ = [
     "is_needed",
     "load",
     "record",
+    "record_best",
     "replay",
     "replay_all",
     "save",

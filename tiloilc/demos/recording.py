@@ -83,6 +83,16 @@ def expert_names(environment: str, kwargs: Mapping[str, Any] | None = None) -> t
     return names
 
 
+def published_fields(
+    environment: str, kwargs: Mapping[str, Any] | None = None
+) -> dict[str, tuple[int, int]]:
+    """The named slices [start, stop) of the observation that an environment publishes."""
+    env = _make(environment, kwargs or {})
+    fields = {name: (start, stop) for name, (start, stop) in _fields(env).items()}
+    env.close()
+    return fields
+
+
 def _make(environment: str, kwargs: Mapping[str, Any]) -> gymnasium.Env[Any, Any]:
     import gymnasium
 

@@ -26,19 +26,18 @@ def demonstrations_for(
     """The demonstrations that a task file asks for, whole; the caller cuts and checks them.
 
     `file:` is relative to `folder`. `source: expert` takes the bundled demonstrations of the task
-    `name` if they are of the same environment; else it records. An environment may have experts
-    for several tasks: the one whose demonstrations the automaton accepts most often is taken, the
-    first of equals. Raises CompileError DEMO500, DEMO505 (actions wanted, none there), DEMO506.
+    `name` if they are of the same environment and the automaton accepts each; else it records.
+    Raises CompileError DEMO500, DEMO505 (actions are wanted, but there are none), DEMO506.
     """
     if wanted.file is not None:
         demos = load(folder / wanted.file, span)
     elif wanted.source == "expert":
         shipped = bundled(name)
-        fits = shipped is not None and _same_environment(shipped, environment)
-        if shipped is not None and fits and len(shipped) >= wanted.count:
-            demos = shipped
-        else:
-            demos = _from_best_expert(wanted, environment, labels, ldba, span)
+        if shipped is None or not _fits(shipped, wanted, environment, labels, ldba):
+            shipped = record_best(
+                environment, labels, ldba, name=name, count=wanted.count, span=span
+            )
+        demos = shipped
     else:
         return DemoSet(())
     demos = demos.take(wanted.count)
@@ -53,32 +52,22 @@ def bundled(name: str) -> DemoSet | None:
     return load(path) if path.is_file() else None
 
 
-def _bundled_path(name: str) -> Path:
-    from importlib.util import find_spec
-
-    found = find_spec("tiloilc.tasks")
-    assert found is not None
-    assert found.origin is not None
-    return Path(found.origin).parent / "demonstrations" / f"{Path(name).name}.npz"
-
-
-def _same_environment(demos: DemoSet, environment: Environment) -> bool:
-    made = demos.meta.get("environment")
-    return (
-        isinstance(made, dict)
-        and made.get("id") == environment.id
-        and made.get("kwargs") == environment.kwargs
-        and made.get("horizon") == environment.horizon
-    )
-
-
-def _from_best_expert(
-    wanted: Demonstrations,
+def record_best(
     environment: Environment,
     labels: Labels,
     ldba: Ldba,
-    span: Span | None,
+    *,
+    name: str,
+    count: int,
+    seed: int = 0,
+    span: Span | None = None,
 ) -> DemoSet:
+    """Record `count` episodes with the environment's expert for this task.
+
+    An environment may have experts for several tasks. Taken is the one of whose demonstrations
+    the automaton accepts most; of equals one that the task's `name` ends with, then the one that
+    is accepted earliest. Raises CompileError DEMO506 if there is none.
+    """
     names = expert_names(environment.id, environment.kwargs)
     if not names:
         raise CompileError(Diagnostic.of("DEMO506", span, environment=environment.id))
@@ -88,13 +77,44 @@ def _from_best_expert(
             environment.kwargs,
             horizon=environment.horizon,
             expert=expert,
-            count=wanted.count,
+            count=count,
+            seed=seed,
             span=span,
         )
         for expert in names
     ]
 
-    def accepting_visits(demos: DemoSet) -> int:
-        return sum(run.visits for run in replay_all(demos, labels, ldba)[1])
+    def merit(demos: DemoSet) -> tuple[int, bool, float]:
+        _, replays = replay_all(demos, labels, ldba, max_visits=1)
+        steps = [len(run.states) for run in replays if run.visits]
+        named = name.endswith(str(demos.meta["expert"]))
+        return len(steps), named, -sum(steps) / max(len(steps), 1)
 
-    return max(recorded, key=accepting_visits)
+    return max(recorded, key=merit)
+
+
+def _bundled_path(name: str) -> Path:
+    from importlib.util import find_spec
+
+    found = find_spec("tiloilc.tasks")
+    assert found is not None
+    assert found.origin is not None
+    return Path(found.origin).parent / "demonstrations" / f"{Path(name).name}.npz"
+
+
+def _fits(
+    demos: DemoSet,
+    wanted: Demonstrations,
+    environment: Environment,
+    labels: Labels,
+    ldba: Ldba,
+) -> bool:
+    made = demos.meta.get("environment")
+    asked = {
+        "id": environment.id,
+        "kwargs": environment.kwargs,
+        "horizon": environment.horizon,
+    }
+    if made != asked or len(demos) < wanted.count:
+        return False
+    return all(run.visits > 0 for run in replay_all(demos, labels, ldba)[1])
