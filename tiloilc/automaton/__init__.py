@@ -1,1 +1,25 @@
-"""The automaton package."""
+"""Limit-deterministic Büchi automata: from formulas, their words, HOA, pictures."""
+
+from tiloilc.automaton.guards import guard_text
+from tiloilc.automaton.hoa import to_hoa
+from tiloilc.automaton.ldba import Cube, Edge, Ldba, Letter, StateId
+from tiloilc.automaton.limits import MAX_STATES, TIMEOUT
+from tiloilc.automaton.translate import Acceptance, translate
+from tiloilc.automaton.words import accepted_word, accepts, is_empty
+
+__all__ = [
+    "MAX_STATES",
+    "TIMEOUT",
+    "Acceptance",
+    "Cube",
+    "Edge",
+    "Ldba",
+    "Letter",
+    "StateId",
+    "accepted_word",
+    "accepts",
+    "guard_text",
+    "is_empty",
+    "to_hoa",
+    "translate",
+]

@@ -40,7 +40,9 @@ class Ldba:
     `sink` is the one state from which no accepting cycle can be reached (it loops on every letter),
     None if there is none. `jumps` are pairs (from, to): while reading a letter in `from` the agent
     may take the edge of `to` instead. States are numbered from 0 in breadth-first order, letters
-    in the order of `propositions`; the initial state is 0. `names[b]` says what is left to do in b.
+    in the order of `propositions`, the sink last; the initial state is 0. `names[b]` says what is
+    left to do in b. With edge-based acceptance `accepting` is empty and `accepting_edges` are
+    places in `edges`.
     """
 
     propositions: tuple[str, ...]
@@ -49,6 +51,7 @@ class Ldba:
     sink: StateId | None
     edges: tuple[Edge, ...]
     jumps: tuple[tuple[StateId, StateId], ...] = ()
+    accepting_edges: frozenset[int] = frozenset()
 
     initial: StateId = 0
 
@@ -63,9 +66,21 @@ class Ldba:
         return tuple(tuple(e for e in self.edges if e.source == b) for b in self.states)
 
     @cached_property
+    def outgoing_indices(self) -> tuple[tuple[int, ...], ...]:
+        """The places in `edges` of the edges of each state."""
+        places: list[list[int]] = [[] for _ in self.states]
+        for index, edge in enumerate(self.edges):
+            places[edge.source].append(index)
+        return tuple(tuple(row) for row in places)
+
+    @cached_property
     def jump_targets(self) -> tuple[tuple[StateId, ...], ...]:
         """Where one may jump from each state, in ascending order."""
         return tuple(tuple(t for s, t in self.jumps if s == b) for b in self.states)
+
+    def is_marked(self, index: int) -> bool:
+        """Whether the edge `edges[index]` accepts: is marked, or enters an accepting state."""
+        return index in self.accepting_edges or self.edges[index].target in self.accepting
 
     def letter(self, true: Iterable[str]) -> Letter:
         """The letter in which just the named propositions hold."""

@@ -1,0 +1,189 @@
+"""Deterministic Büchi automata for the recurrence class, by breakpoints and goals in turn.
+
+A state is (ξ, goals, turn, ζ): the word must satisfy ξ, a formula in which no ν-operator stands
+below a µ-operator, and GF q for each goal q, all of whose operators are µ. ζ is what the source
+whose turn it is still has to bring: turn 0 is ξ itself, whose promises made so far are
+ξ[all ν true]µ (Sickert and Esparza, An Efficient Normalisation Procedure for LTL, LICS 2020,
+section 6: ξ holds just if these promises are kept again and again); turn k is the k-th goal, as
+F q. When ζ has come true the turn passes on; a round completed is an accepting edge. Goals that
+the same letter fulfils at once are passed over; a goal in progress starts with the next letter,
+so GF(a & XF b) waits for a, then for b.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from tiloilc.automaton.bdd import FALSE, TRUE, Node, Split
+from tiloilc.automaton.terms import GREATEST, YES, Term
+from tiloilc.automaton.unfolding import Unfolding
+
+Goals = tuple[Term, ...]
+"""Terms q of "GF q", each once, in the written order."""
+
+
+class Serving(NamedTuple):
+    """A state of the deterministic part."""
+
+    rest: Node
+    goals: Goals
+    turn: int
+    promise: Node
+
+
+class Breakpoints:
+    """The deterministic part: where the states of the recurrence class lead."""
+
+    def __init__(self, unfolding: Unfolding) -> None:
+        self.unfolding = unfolding
+        self.terms = unfolding.terms
+        self._splits: dict[tuple[Node, ...], Split] = {}
+        self._promised: dict[Term, Term] = {}
+        self._met: dict[Term, Node] = {}
+        self._tidied: dict[Node, Node] = {}
+
+    def split(self, *functions: Node) -> Split:
+        """What diagrams leave for later, with the letters that lead there."""
+        return self.unfolding.diagrams.split(functions, self.unfolding.letters, self._splits)
+
+    def settle(self, rest: Node, goals: Goals) -> tuple[Node, Goals]:
+        """Tidy `rest`, a diagram over "X t": conjuncts GF q become goals, implied terms go."""
+        terms, unfolding, diagrams = self.terms, self.unfolding, self.unfolding.diagrams
+        found = list(goals)
+        rest = self._tidy(rest)
+        for variable in sorted(diagrams.support(rest)):
+            goal = self._goal(unfolding.term(variable))
+            if goal is None or diagrams.assign(rest, {variable: False}) != FALSE:
+                continue
+            found.append(goal)
+            waiting = diagrams.support(unfolding.later(terms.make("F", goal)))
+            rest = diagrams.assign(rest, dict.fromkeys({variable, *waiting}, True))
+        return rest, tuple(dict.fromkeys(found))
+
+    def _goal(self, term: Term) -> Term | None:
+        """The q of a term "GF q" in which all operators of q are µ."""
+        terms = self.terms
+        if terms.operator[term] != "G":
+            return None
+        inner = terms.operands[term][0]
+        if terms.operator[inner] != "F" or terms.has_greatest[inner]:
+            return None
+        return terms.operands[inner][0]
+
+    def _tidy(self, rest: Node) -> Node:
+        """`rest` without co-safety terms that do not matter beside another one implied by them.
+
+        Only pairs without ν-operators: their truth is decided after finitely many letters, so
+        that breakpoints and guesses see the same promises.
+        """
+        done = self._tidied.get(rest)
+        if done is None:
+            done = self._tidied[rest] = self._drop_implied(rest)
+        return done
+
+    def _drop_implied(self, rest: Node) -> Node:
+        terms, unfolding, diagrams = self.terms, self.unfolding, self.unfolding.diagrams
+        finite = [
+            v for v in sorted(diagrams.support(rest)) if not terms.has_greatest[unfolding.term(v)]
+        ]
+        for strong in finite:
+            for weak in finite:
+                if strong == weak:
+                    continue
+                if not terms.implies(unfolding.term(strong), unfolding.term(weak)):
+                    continue
+                with_weak = diagrams.assign(rest, {weak: True})
+                if diagrams.support(with_weak).isdisjoint({strong}):
+                    rest = diagrams.assign(rest, {strong: False})
+                without = diagrams.assign(rest, {strong: False})
+                if weak not in diagrams.support(without):
+                    rest = diagrams.assign(rest, {weak: True})
+        return rest
+
+    def start(self, rest: Node, goals: Goals) -> Serving:
+        """The state that begins a round; `rest` is unfolded."""
+        if self.is_safety(rest):
+            promise = self._waiting(goals[0]) if goals else TRUE
+            return Serving(rest, goals, 1, promise)
+        return Serving(rest, goals, 0, self.unfolding.rewrite(rest, self._promise))
+
+    def is_safety(self, state: Node) -> bool:
+        """Whether nothing that must come is left in `state`."""
+        return not any(self.terms.has_least[t] for t in self.unfolding.left_over(state))
+
+    def in_class(self, state: Node) -> bool:
+        """Whether `state` is of the recurrence class."""
+        return all(self.terms.recurrence[t] for t in self.unfolding.left_over(state))
+
+    def _waiting(self, goal: Term) -> Node:
+        return self.unfolding.unfold(self.terms.make("F", goal))
+
+    def _promise(self, term: Term) -> Term:
+        """`term`[all ν true]µ."""
+        found = self._promised.get(term)
+        if found is None:
+            terms = self.terms
+            name = terms.operator[term]
+            inner = [self._promise(t) for t in terms.operands[term]]
+            if name in GREATEST:
+                found = YES
+            elif name in ("and", "or"):
+                found = terms.both(inner) if name == "and" else terms.either(inner)
+            else:
+                found = terms.make(name, *inner) if inner else term
+            self._promised[term] = found
+        return found
+
+    def successors(self, state: Serving) -> list[tuple[Serving, bool, Node]]:
+        """The edges of `state`: target, whether it accepts, letters. Missing letters are fatal."""
+        edges = []
+        for (rest, promise), guard in self.split(state.rest, state.promise).items():
+            left, goals = self.settle(rest, state.goals)
+            unfolded = self.unfolding.step(left)
+            waiting = self.unfolding.step(self._tidy(promise))
+            if unfolded == FALSE or waiting == FALSE:
+                continue
+            if goals != state.goals:
+                edges.append((self.start(unfolded, goals), False, guard))
+            elif waiting == TRUE or (state.turn == 0 and self.is_safety(unfolded)):
+                edges.extend(self._pass_on(unfolded, goals, state.turn, guard))
+            else:
+                edges.append((Serving(unfolded, goals, state.turn, waiting), False, guard))
+        return edges
+
+    def _pass_on(
+        self, rest: Node, goals: Goals, turn: int, guard: Node
+    ) -> list[tuple[Serving, bool, Node]]:
+        """The edges to the sources after `turn`: the first one that the letter does not meet."""
+        edges = []
+        diagrams = self.unfolding.diagrams
+        for following in range(turn + 1, len(goals) + 1):
+            goal = goals[following - 1]
+            met = self._letters_meeting(goal)
+            stop = diagrams.minus(guard, met)
+            if stop != FALSE:
+                edges.append((Serving(rest, goals, following, self._waiting(goal)), False, stop))
+            guard = diagrams.conj(guard, met)
+        if guard != FALSE:
+            edges.append((self.start(rest, goals), True, guard))
+        return edges
+
+    def _letters_meeting(self, goal: Term) -> Node:
+        """The letters that make F `goal` true at once."""
+        found = self._met.get(goal)
+        if found is None:
+            found = self._met[goal] = FALSE
+            for (rest,), guard in self.split(self._waiting(goal)).items():
+                if self.unfolding.step(rest) == TRUE:
+                    found = self.unfolding.diagrams.disj(found, guard)
+            self._met[goal] = found
+        return found
+
+    def pending(self, state: Serving) -> Node | None:
+        """What the turn waits for, unless the state's ξ and goals already say it."""
+        if state.turn == 0:
+            told = self.unfolding.diagrams.implies(state.rest, state.promise)
+        else:
+            fresh = not state.goals or state.promise == self._waiting(state.goals[state.turn - 1])
+            told = fresh and len(state.goals) < 2
+        return None if told else state.promise

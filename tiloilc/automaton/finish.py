@@ -1,0 +1,168 @@
+"""From a reduced draft to an `Ldba`: accepting states, the sink, numbers, guards as cubes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
+from tiloilc.automaton.draft import Draft, Row, components, on_cycles
+from tiloilc.automaton.guards import as_diagram
+from tiloilc.automaton.ldba import Cube, Edge, Ldba
+from tiloilc.automaton.limits import Budget
+from tiloilc.automaton.reduce import quotient, trim
+
+
+class Copy(NamedTuple):
+    """A state of the draft, told apart by whether it was entered over an accepting edge."""
+
+    state: int
+    accepting: bool
+
+
+Successors = Callable[[Copy], list[tuple[Copy, bool, Node]]]
+
+
+def edge_based(draft: Draft, propositions: tuple[str, ...], diagrams: Diagrams) -> Ldba:
+    """The automaton with its accepting marks on edges."""
+
+    def successors(copy: Copy) -> list[tuple[Copy, bool, Node]]:
+        row = draft.rows[copy.state]
+        return [(Copy(target, False), mark, guard) for (target, mark), guard in row.items()]
+
+    def jumps(copy: Copy) -> list[Copy]:
+        return [Copy(target, False) for target in draft.jumps[copy.state]]
+
+    start = Copy(draft.initial, False)
+    return _numbered(draft, propositions, diagrams, start, successors, jumps, edges=True)
+
+
+def state_based(draft: Draft, propositions: tuple[str, ...], diagrams: Diagrams) -> Ldba:
+    """The automaton with accepting states, with as few copies as the marks allow.
+
+    A state entered both with and without a mark becomes two, unless all its unmarked edges lie on
+    no unmarked cycle: then a mark more changes nothing. Edges that leave a component are free.
+    """
+    component, _ = on_cycles(draft)
+    quiet = components([[t for t, mark in row if not mark] for row in draft.rows])
+    fixed: list[set[bool]] = [set() for _ in draft.rows]
+    inner = [
+        (q, t, mark)
+        for q, row in enumerate(draft.rows)
+        for t, mark in row
+        if component[q] == component[t]
+    ]
+    for q, target, mark in inner:
+        if mark or quiet[q] == quiet[target]:
+            fixed[target].add(mark)
+
+    def copy_of(target: int, mark: bool) -> Copy:
+        """The copy to enter: as marked if there is one, the unmarked one if it does not matter."""
+        kinds = fixed[target] or {False}
+        return Copy(target, mark if mark in kinds else not mark)
+
+    def successors(copy: Copy) -> list[tuple[Copy, bool, Node]]:
+        row = draft.rows[copy.state]
+        return [(copy_of(target, mark), False, guard) for (target, mark), guard in row.items()]
+
+    def jumps(copy: Copy) -> list[Copy]:
+        return [copy_of(target, False) for target in draft.jumps[copy.state]]
+
+    start = copy_of(draft.initial, False)
+    return _numbered(draft, propositions, diagrams, start, successors, jumps, edges=False)
+
+
+def _numbered(
+    draft: Draft,
+    propositions: tuple[str, ...],
+    diagrams: Diagrams,
+    start: Copy,
+    successors: Successors,
+    jumps: Callable[[Copy], list[Copy]],
+    edges: bool,
+) -> Ldba:
+    """Number the states breadth first, letters in the order of the propositions, the sink last."""
+    if not any(mark for row in draft.rows for _, mark in row):
+        return _empty(propositions)
+    index = {start: 0}
+    order = [start]
+    rows: list[list[tuple[Copy, bool, Node]]] = []
+    for copy in order:
+        diagrams.budget.tick()
+        row = sorted(successors(copy), key=lambda edge: diagrams.first_letter(edge[2]))
+        rows.append(row)
+        for target in (*(t for t, _, _ in row), *jumps(copy)):
+            if target not in index:
+                index[target] = len(order)
+                order.append(target)
+    found: list[Edge] = []
+    marked: set[tuple[int, int, tuple[Cube, ...]]] = set()
+    sink = len(order)
+    for number, row in enumerate(rows):
+        missing = TRUE
+        together: dict[tuple[int, bool], Node] = {}
+        for target, mark, guard in row:
+            missing = diagrams.minus(missing, guard)
+            key = (index[target], mark)
+            together[key] = diagrams.disj(together.get(key, FALSE), guard)
+        if missing != FALSE:
+            together[sink, False] = missing
+        for (target_number, mark), guard in together.items():
+            edge = Edge(number, target_number, cubes(diagrams, guard))
+            found.append(edge)
+            if mark:
+                marked.add((edge.source, edge.target, edge.guard))
+    names = [draft.names[copy.state]() for copy in order]
+    complete = all(edge.target != sink for edge in found)
+    if not complete:
+        found.append(Edge(sink, sink, (Cube(0, 0),)))
+        names.append("false")
+    found.sort()
+    return Ldba(
+        propositions=propositions,
+        names=tuple(names),
+        accepting=frozenset(index[c] for c in order if c.accepting and not edges),
+        sink=None if complete else sink,
+        edges=tuple(found),
+        jumps=tuple(sorted((index[c], index[t]) for c in order for t in jumps(c))),
+        accepting_edges=frozenset(
+            i for i, e in enumerate(found) if (e.source, e.target, e.guard) in marked
+        ),
+    )
+
+
+def _empty(propositions: tuple[str, ...]) -> Ldba:
+    """The automaton that accepts nothing: the sink alone."""
+    edge = Edge(0, 0, (Cube(0, 0),))
+    return Ldba(propositions, ("false",), frozenset(), 0, (edge,))
+
+
+def cubes(diagrams: Diagrams, guard: Node) -> tuple[Cube, ...]:
+    """An irredundant cover of a set of letters, sorted."""
+    found = []
+    for literals in diagrams.cover(guard):
+        mask = sum(1 << v for v, _ in literals)
+        found.append(Cube(mask, sum(1 << v for v, sign in literals if sign)))
+    return tuple(sorted(found))
+
+
+def draft_of(ldba: Ldba, diagrams: Diagrams) -> Draft:
+    """`ldba` as a draft again: marks on the edges that accept, nothing that leads to the sink."""
+    rows: list[Row] = [{} for _ in ldba.states]
+    for index, edge in enumerate(ldba.edges):
+        if edge.target != ldba.sink and edge.source != ldba.sink:
+            key = (edge.target, ldba.is_marked(index))
+            guard = as_diagram(diagrams, edge.guard)
+            rows[edge.source][key] = diagrams.disj(rows[edge.source].get(key, FALSE), guard)
+    names = tuple(partial(str, text) for text in ldba.names)
+    return Draft(tuple(rows), ldba.jump_targets, ldba.initial, names)
+
+
+def with_edge_acceptance(ldba: Ldba) -> Ldba:
+    """`ldba` with marks on the edges into its accepting states, and what then agrees merged."""
+    if ldba.accepting_edges or not ldba.accepting:
+        return ldba
+    diagrams = Diagrams(Budget())
+    draft = quotient(trim(draft_of(ldba, diagrams), diagrams), diagrams)
+    return edge_based(draft, ldba.propositions, diagrams)

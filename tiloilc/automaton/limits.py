@@ -1,0 +1,54 @@
+"""How large and how slow a translation may become: a formula bomb ends in AUT305, not in a hang."""
+
+from __future__ import annotations
+
+import time
+
+from tiloilc.diag import CompileError, Diagnostic
+
+MAX_STATES = 5_000
+"""States of one automaton; nobody trains an agent on more, the paper's tasks need ten."""
+
+TIMEOUT = 30.0
+"""Seconds for one translation."""
+
+NODES_PER_STATE = 200
+"""Diagram nodes allowed for each state allowed: 5,000 states may fill about 300 MB."""
+
+CLOCK_EVERY = 256
+"""Ticks between two looks at the clock."""
+
+
+class Budget:
+    """What a translation has left. Every loop calls `tick`, every new state `state`."""
+
+    def __init__(self, max_states: int = MAX_STATES, timeout: float = TIMEOUT) -> None:
+        self.max_states = max_states
+        self.timeout = timeout
+        self._deadline = time.monotonic() + timeout
+        self._ticks = 0
+
+    def tick(self) -> None:
+        """Count one round of a loop. Raises CompileError AUT305 when the time is spent."""
+        self._ticks += 1
+        if self._ticks % CLOCK_EVERY == 0 and time.monotonic() > self._deadline:
+            raise too_large(f"not done after {self.timeout:g} s")
+
+    def states(self, count: int) -> None:
+        """Allow `count` states. Raises CompileError AUT305."""
+        self.tick()
+        if count > self.max_states:
+            raise too_large(f"it has more than {self.max_states:,} states".replace(",", "_"))
+
+    def nodes(self, count: int) -> None:
+        """Allow `count` diagram nodes. Raises CompileError AUT305."""
+        self.tick()
+        if count > self.max_states * NODES_PER_STATE:
+            raise too_large("its states need more memory than the limit of states allows")
+
+
+def too_large(problem: str) -> CompileError:
+    """The error of a translation that reached a limit."""
+    return CompileError(
+        Diagnostic.of("AUT305", help="split the formula, or raise the limit", problem=problem)
+    )

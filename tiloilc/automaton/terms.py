@@ -1,0 +1,287 @@
+"""Formulas as numbered terms: an operator over earlier terms, stored once.
+
+Equality is equality of numbers. The constructors know the laws that hold whatever the operands
+are, so that the construction never meets `F F a` or `X G F a`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import NewType
+
+from tiloilc.automaton.limits import Budget
+from tiloilc.ltl import ast, nnf
+from tiloilc.ltl.ast import Formula, subformulas
+
+Term = NewType("Term", int)
+"""A formula, as a place in its table."""
+
+NO = Term(0)
+YES = Term(1)
+
+LEAST = frozenset("FUM")
+"""µ-operators: what they promise must come."""
+
+GREATEST = frozenset("GWR")
+"""ν-operators: what they promise may never be broken."""
+
+_UNARY: dict[str, type[ast.Next] | type[ast.Eventually] | type[ast.Always]] = {
+    "X": ast.Next,
+    "F": ast.Eventually,
+    "G": ast.Always,
+}
+_BINARY: dict[
+    str, type[ast.Until] | type[ast.WeakUntil] | type[ast.Release] | type[ast.StrongRelease]
+] = {"U": ast.Until, "W": ast.WeakUntil, "R": ast.Release, "M": ast.StrongRelease}
+_LETTER_OF: dict[type[object], str] = {
+    **{kind: letter for letter, kind in _UNARY.items()},
+    **{kind: letter for letter, kind in _BINARY.items()},
+}
+
+
+class Terms:
+    """The terms of one translation. Every list is indexed by term."""
+
+    def __init__(self, propositions: Sequence[str], budget: Budget) -> None:
+        self.propositions = tuple(propositions)
+        self.budget = budget
+        self.operator: list[str] = []
+        self.operands: list[tuple[Term, ...]] = []
+        self.has_least: list[bool] = []
+        self.has_greatest: list[bool] = []
+        self.recurrence: list[bool] = []
+        self.eventual: list[bool] = []
+        self.universal: list[bool] = []
+        self._index: dict[tuple[str, tuple[Term, ...]], Term] = {}
+        self._implies: dict[tuple[Term, Term], bool] = {}
+        self._add("false", ())
+        self._add("true", ())
+
+    def _add(self, operator: str, operands: tuple[Term, ...]) -> Term:
+        key = (operator, operands)
+        found = self._index.get(key)
+        if found is not None:
+            return found
+        self.budget.tick()
+        term = self._index[key] = Term(len(self.operator))
+        least, greatest = operator in LEAST, operator in GREATEST
+        below_greatest = any(self.has_greatest[t] for t in operands)
+        constant = operator in ("true", "false")
+        inner = operator in ("and", "or", "X")
+        last = operands[-1:]
+        self.operator.append(operator)
+        self.operands.append(operands)
+        self.has_least.append(least or any(self.has_least[t] for t in operands))
+        self.has_greatest.append(greatest or below_greatest)
+        self.recurrence.append(
+            all(self.recurrence[t] for t in operands) and not (least and below_greatest)
+        )
+        self.eventual.append(
+            constant
+            or operator == "F"
+            or ((inner or operator == "G") and all(self.eventual[t] for t in operands))
+            or (operator == "U" and all(self.eventual[t] for t in last))
+        )
+        self.universal.append(
+            constant
+            or operator == "G"
+            or ((inner or operator == "F") and all(self.universal[t] for t in operands))
+            or (operator == "R" and all(self.universal[t] for t in last))
+        )
+        return term
+
+    def of(self, formula: Formula) -> Term:
+        """The term of `formula`, whose propositions are all known."""
+        done: dict[Formula, Term] = {}
+        formula = nnf(formula)
+        for part in subformulas(formula):
+            operands = [done[child] for child in part.children]
+            match part:
+                case ast.Constant(value):
+                    done[part] = YES if value else NO
+                case ast.Proposition(name):
+                    done[part] = self.literal(self.propositions.index(name), True)
+                case ast.Not(ast.Proposition(name)):
+                    done[part] = self.literal(self.propositions.index(name), False)
+                case ast.And():
+                    done[part] = self.both(operands)
+                case ast.Or():
+                    done[part] = self.either(operands)
+                case _:
+                    done[part] = self.make(_LETTER_OF[type(part)], *operands)
+        return done[formula]
+
+    def literal(self, proposition: int, sign: bool) -> Term:
+        """A proposition, or its negation."""
+        return self._add(f"{'+' if sign else '-'}{proposition}", ())
+
+    def both(self, operands: Sequence[Term]) -> Term:
+        """Conjunction: flat, without repetitions, in the given order."""
+        return self._junction("and", operands, YES, NO)
+
+    def either(self, operands: Sequence[Term]) -> Term:
+        """Disjunction: flat, without repetitions, in the given order."""
+        return self._junction("or", operands, NO, YES)
+
+    def _junction(
+        self, name: str, operands: Sequence[Term], neutral: Term, absorbing: Term
+    ) -> Term:
+        parts: dict[Term, None] = {}
+        for operand in operands:
+            flat = self.operands[operand] if self.operator[operand] == name else (operand,)
+            parts.update(dict.fromkeys(flat))
+        parts.pop(neutral, None)
+        if absorbing in parts:
+            return absorbing
+        for part in parts:
+            sign = self.operator[part]
+            if sign[0] == "+" and self._index.get((f"-{sign[1:]}", ())) in parts:
+                return absorbing
+        if len(parts) < 2:
+            return next(iter(parts), neutral)
+        return self._add(name, tuple(parts))
+
+    def suspendable(self, term: Term) -> bool:
+        """Whether the truth of `term` on a word never changes as the word goes on."""
+        return self.eventual[term] and self.universal[term]
+
+    def make(self, operator: str, *operands: Term) -> Term:
+        """A temporal operator over `operands`."""
+        if operator in ("F", "G", "X"):
+            return self._unary(operator, operands[0])
+        return self._binary(operator, *operands)
+
+    def _unary(self, operator: str, operand: Term) -> Term:
+        same = {"F": self.eventual, "G": self.universal}
+        if self.suspendable(operand) or (operator != "X" and same[operator][operand]):
+            return operand
+        name, inner = self.operator[operand], self.operands[operand]
+        if operator != "X" and name == "X":
+            return self._unary("X", self._unary(operator, inner[0]))
+        if name in ("and", "or"):
+            junction = self.both if name == "and" else self.either
+            fixed = [t for t in inner if self._apart(operator, name, t)]
+            if fixed:
+                apart = [self._unary(operator, t) for t in fixed]
+                rest = junction([t for t in inner if t not in fixed])
+                return junction([self._unary(operator, rest), *apart])
+        if len(inner) == 2 and name not in ("and", "or"):
+            return self._over_binary(operator, name, *inner)
+        return self._add(operator, (operand,))
+
+    def _apart(self, operator: str, junction: str, term: Term) -> bool:
+        """Whether `operator` over a junction may be taken to its part `term` alone."""
+        if operator + junction == "Gand":
+            return self.eventual[term]
+        if operator + junction == "For":
+            return self.universal[term]
+        return self.suspendable(term)
+
+    def _over_binary(self, operator: str, inner: str, left: Term, right: Term) -> Term:
+        """F, G or X of a binary operator: always and eventually need no "until"."""
+        always, eventually = partial(self._unary, "G"), partial(self._unary, "F")
+        match operator + inner:
+            case "FU":
+                return eventually(right)
+            case "FM":
+                return eventually(self.both([left, right]))
+            case "FW":
+                return self.either([eventually(right), eventually(always(left))])
+            case "FR":
+                parts = [eventually(self.both([left, right])), eventually(always(right))]
+                return self.either(parts)
+            case "GR":
+                return always(right)
+            case "GW":
+                return always(self.either([left, right]))
+            case "GU":
+                return self.both([always(self.either([left, right])), always(eventually(right))])
+            case "GM":
+                return self.both([always(right), always(eventually(left))])
+        return self._add(operator, (self._index[inner, (left, right)],))
+
+    def _binary(self, operator: str, left: Term, right: Term) -> Term:
+        if right in (NO, YES) or self.suspendable(right) or left == right:
+            if operator in ("U", "R") or left == right:
+                return right
+            if operator == "W":
+                return self.either([right, self._unary("G", left)])
+            return self.both([right, self._unary("F", left)])
+        if left == NO:
+            return {"U": right, "W": right, "R": self._unary("G", right), "M": NO}[operator]
+        if left == YES:
+            return {"U": self._unary("F", right), "W": YES, "R": right, "M": right}[operator]
+        if operator in ("U", "R") and self.operator[right] in ("and", "or"):
+            fixed = [t for t in self.operands[right] if self.suspendable(t)]
+            if fixed:
+                junction = self.both if self.operator[right] == "and" else self.either
+                rest = junction([t for t in self.operands[right] if t not in fixed])
+                return junction([self._binary(operator, left, rest), *fixed])
+        if operator == "U" and self.eventual[right]:
+            return right
+        if operator == "R" and self.universal[right]:
+            return right
+        if operator == "W" and self.eventual[right]:
+            return self.either([right, self._unary("G", left)])
+        if operator == "M" and self.universal[right]:
+            return self.both([right, self._unary("F", left)])
+        return self._add(operator, (left, right))
+
+    def formula(self, term: Term) -> Formula:
+        """The formula of `term`."""
+        name, operands = self.operator[term], self.operands[term]
+        if name[0] in "+-":
+            proposition = ast.Proposition(self.propositions[int(name[1:])])
+            return proposition if name[0] == "+" else ast.Not(proposition)
+        inner = [self.formula(t) for t in operands]
+        if name in ("and", "or"):
+            return (ast.conjunction if name == "and" else ast.disjunction)(inner)
+        if name in _UNARY:
+            return _UNARY[name](inner[0])
+        if name in _BINARY:
+            return _BINARY[name](inner[0], inner[1])
+        return ast.Constant(name == "true")
+
+    def implies(self, left: Term, right: Term) -> bool:
+        """Whether `left` ⟹ `right` by syntax; False says nothing."""
+        if left in (NO, right) or right == YES:
+            return True
+        key = (left, right)
+        if key not in self._implies:
+            self._implies[key] = False
+            self._implies[key] = self._implication(left, right)
+        return self._implies[key]
+
+    def _implication(self, p: Term, q: Term) -> bool:
+        of, said = self.implies, self.operator
+        p_name, q_name = said[p], said[q]
+        p_in, q_in = self.operands[p], self.operands[q]
+        if p_name == "or":
+            return all(of(t, q) for t in p_in)
+        if q_name == "and":
+            return all(of(p, t) for t in q_in)
+        if p_name == "and" and any(of(t, q) for t in p_in):
+            return True
+        if q_name == "or" and any(of(p, t) for t in q_in):
+            return True
+        if q_name in "FUW" and of(p, q_in[-1]):
+            return True
+        if q_name in "RM" and of(p, q_in[0]) and of(p, q_in[1]):
+            return True
+        if p_name in "GRM" and of(p_in[-1], q):
+            return True
+        if p_name in "UW" and of(p_in[0], q) and of(p_in[1], q):
+            return True
+        if p_name in "XFU" and self.eventual[q] and of(p_in[-1], q):
+            return True
+        if p_name == "M" and self.eventual[q] and of(p_in[0], q):
+            return True
+        if q_name in "XGR" and self.universal[p] and of(p, q_in[-1]):
+            return True
+        if q_name == "W" and self.universal[p] and of(p, q_in[0]):
+            return True
+        weaker = {"X": "X", "F": "F", "G": "GR", "U": "UWF", "W": "W", "R": "R", "M": "MR"}
+        if q_name in weaker.get(p_name, "") and len(p_in) == len(q_in):
+            return all(of(s, t) for s, t in zip(p_in, q_in, strict=True))
+        return False

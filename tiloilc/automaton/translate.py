@@ -1,0 +1,78 @@
+"""LTL → LDBA: build the states, reduce, number them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Literal
+
+from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams
+from tiloilc.automaton.draft import Draft, Row
+from tiloilc.automaton.finish import edge_based, state_based
+from tiloilc.automaton.ldba import Ldba
+from tiloilc.automaton.limits import MAX_STATES, TIMEOUT, Budget, too_large
+from tiloilc.automaton.naming import name
+from tiloilc.automaton.reduce import reduce
+from tiloilc.automaton.symmetric import State, Symmetric, Waiting
+from tiloilc.automaton.terms import Terms
+from tiloilc.automaton.unfolding import Unfolding
+from tiloilc.ltl.ast import Formula
+
+Acceptance = Literal["state", "edge"]
+
+
+def translate(
+    formula: Formula,
+    propositions: Sequence[str],
+    *,
+    acceptance: Acceptance = "state",
+    max_states: int = MAX_STATES,
+    timeout: float = TIMEOUT,
+) -> Ldba:
+    """An LDBA that accepts the words of `formula`; bit i of a letter is `propositions[i]`.
+
+    Every proposition of `formula` must be among `propositions`. `acceptance="edge"` gives marked
+    edges instead of accepting states, and fewer states. `timeout` is in seconds.
+    Raises CompileError AUT305 when a limit is reached.
+    """
+    budget = Budget(max_states, timeout)
+    diagrams = Diagrams(budget)
+    try:
+        automaton = Symmetric(Unfolding(Terms(propositions, budget), diagrams))
+        draft = reduce(build(automaton, formula), diagrams)
+        finish = state_based if acceptance == "state" else edge_based
+        return finish(draft, tuple(propositions), diagrams)
+    except RecursionError:
+        raise too_large("its operators are nested too deeply") from None
+
+
+def build(automaton: Symmetric, formula: Formula) -> Draft:
+    """All states of `automaton` that can be reached from `formula`, breadth first."""
+    diagrams = automaton.unfolding.diagrams
+    index: dict[State, int] = {}
+    states: list[State] = []
+    rows: list[Row] = []
+    jumps: list[tuple[int, ...]] = []
+
+    def number(state: State) -> int:
+        if state not in index:
+            index[state] = len(states)
+            states.append(state)
+            diagrams.budget.states(len(states))
+        return index[state]
+
+    initial = automaton.initial(automaton.terms.of(formula))
+    if initial is None:
+        return Draft(({(0, False): TRUE},), ((),), 0, (lambda: "false",))
+    number(initial)
+    while len(rows) < len(states):
+        state = states[len(rows)]
+        row: Row = {}
+        for target, mark, guard in automaton.successors(state):
+            key = (number(target), mark)
+            row[key] = diagrams.disj(row.get(key, FALSE), guard)
+        rows.append(row)
+        targets = automaton.jumps(state) if isinstance(state, Waiting) else []
+        jumps.append(tuple(number(target) for target in targets))
+    names = tuple(partial(name, automaton, state) for state in states)
+    return Draft(tuple(rows), tuple(jumps), 0, names)
