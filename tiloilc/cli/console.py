@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, TextIO
@@ -51,23 +50,3 @@ def report(
     """Write findings, to standard error unless told otherwise."""
     found, out = list(diagnostics), stream or sys.stderr
     out.write(render(found, format, sources(found), colour=coloured(out)))
-
-
-def write_file(path: Path, data: str | bytes) -> None:
-    """Write `path` under a temporary name beside it and rename: it is whole, or as it was."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data.encode() if isinstance(data, str) else data)
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -7,7 +7,7 @@ import sys
 
 
 def command() -> None:
-    """Print the JSON Schema of the task file, with which editors complete and check it."""
+    """Print the JSON Schema of the task file."""
     from tiloilc.spec import json_schema
 
     sys.stdout.write(json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n")

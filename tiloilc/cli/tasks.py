@@ -1,0 +1,21 @@
+"""What the verbs that take a task file or a plan share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tiloilc.plan import Plan
+
+
+def plan_of(path: Path) -> Plan:
+    """The plan of a build folder, of a plan file, or of a task file that is compiled for this.
+
+    Raises CompileError with the errors that prevent it.
+    """
+    from tiloilc.driver import compile_spec, read_plan
+
+    if path.is_dir() or path.suffix == ".json":
+        return read_plan(path)
+    return compile_spec(path).plan

@@ -1,0 +1,30 @@
+"""Calls the stages of the compiler in order and gathers what they find."""
+
+from tiloilc.driver.analysis import Analysis, analyse
+from tiloilc.driver.build import (
+    Compiled,
+    compile_spec,
+    labeller,
+    lint,
+    load_plan,
+    plan_file,
+    read_plan,
+    write_build,
+    write_file,
+    write_plan,
+)
+
+__all__ = [
+    "Analysis",
+    "Compiled",
+    "analyse",
+    "compile_spec",
+    "labeller",
+    "lint",
+    "load_plan",
+    "plan_file",
+    "read_plan",
+    "write_build",
+    "write_file",
+    "write_plan",
+]

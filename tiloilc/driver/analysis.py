@@ -1,0 +1,208 @@
+"""The front half of the compiler: a task file looked at from all sides, with every finding."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tiloilc.automaton.ldba import Ldba
+from tiloilc.demos import DemoSet, check_replays, check_shape, demonstrations_for, replay_all
+from tiloilc.diag import Diagnostic, Severity, SourceText
+from tiloilc.driver.environment import Asked, ask
+from tiloilc.driver.findings import Findings
+from tiloilc.driver.formula import meaning, translated, unused
+from tiloilc.label import compile_predicates
+from tiloilc.ltl import Parsed, parse
+from tiloilc.plan import Stages, importable, stage_findings, stage_plan
+from tiloilc.spec import Document, Spec, examine_spec
+
+Labels = Callable[[NDArray[np.float32]], NDArray[np.int64]]
+
+MAX_BETA = 0.5
+"""Below it a later stage always pays more than an earlier one (paper, below Eq. 8)."""
+
+NEED_FIELDS = ("SPEC111", "SPEC112", "SPEC114", "SPEC120")
+"""What cannot be said about a predicate while the fields of the observation are not known."""
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What is known about a task; None is what a fault kept from being known."""
+
+    document: Document
+    spec: Spec | None
+    asked: Asked | None
+    fields: Mapping[str, tuple[int, int]]
+    parsed: Parsed | None
+    ldba: Ldba | None
+    stages: Stages | None
+    demos: DemoSet | None
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def failed(self) -> bool:
+        """Whether there is an error."""
+        return any(d.severity is Severity.ERROR for d in self.diagnostics)
+
+
+def analyse(path: str | os.PathLike[str]) -> Analysis:
+    """Look at the task file `path`: everything that can be said of it without training.
+
+    Raises CompileError only where there is nothing to look at (SPEC100, SPEC105, SPEC106).
+    """
+    document, spec, found = examine_spec(path)
+    findings = Findings(list(found))
+    if spec is not None:
+        findings.add(_settings(spec, document))
+    parsed = findings.attempt(lambda: _parse(document)) if document.has("formula") else None
+    ldba, stages = _automaton(parsed, document, findings)
+    if document.has("automaton"):
+        _no_automata_yet(document, findings)
+    asked = None
+    if spec is not None:
+        task = spec
+        asked = findings.attempt(lambda: ask(task.environment, document))
+    fields = {**(asked.fields if asked else {}), **(spec.fields if spec else {})}
+    if asked is not None and spec is not None:
+        findings.add(_environment(spec, asked, document))
+    with importable(document.path.parent):
+        labels = _labels(document, fields, asked is not None, findings)
+        demos = None
+        if spec and asked and labels and ldba and parsed and not findings.failed:
+            demos = _demonstrations(spec, asked, labels, ldba, document, findings)
+    return Analysis(
+        document, spec, asked, fields, parsed, ldba, stages, demos, tuple(findings.ordered())
+    )
+
+
+def _parse(document: Document) -> Parsed:
+    return parse(document.value_text("formula"), document.keys("propositions"))
+
+
+def _automaton(
+    parsed: Parsed | None, document: Document, findings: Findings
+) -> tuple[Ldba | None, Stages | None]:
+    if parsed is None:
+        return None, None
+    span = document.span("formula")
+    findings.add(parsed.warnings)
+    places = [document.key_span("propositions", name) for name in parsed.propositions]
+    findings.add(unused(parsed, places))
+    ldba = findings.attempt(lambda: translated(parsed, span))
+    if ldba is None:
+        return None, None
+    said = list(meaning(parsed, ldba, span))
+    findings.add(said)
+    if any(d.severity is Severity.ERROR for d in said):
+        return ldba, None
+    stages = findings.attempt(lambda: stage_plan(ldba, span))
+    if stages is not None:
+        findings.add(stage_findings(ldba, stages, span))
+    return ldba, stages
+
+
+def _no_automata_yet(document: Document, findings: Findings) -> None:
+    span = document.key_span("automaton")
+    problem = "this version of tiloilc reads formulas only"
+    findings.add([Diagnostic.of("AUT302", span, problem=problem, help="write `formula:`")])
+
+
+def _settings(spec: Spec, document: Document) -> list[Diagnostic]:
+    """PLAN404."""
+    if spec.train.beta < MAX_BETA:
+        return []
+    given = document.has("train", "beta")
+    span = document.span("train", "beta") if given else document.key_span("train")
+    return [Diagnostic.of("PLAN404", span, beta=f"{spec.train.beta:g}", help="1/3 is usual")]
+
+
+def _environment(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
+    """JOB601, JOB604 and SPEC120."""
+    found = []
+    if not asked.reproducible:
+        span = document.span("environment", "id")
+        help = "draw all randomness from `self.np_random`"
+        found.append(Diagnostic.of("JOB601", span, environment=spec.environment.id, help=help))
+    if spec.train.backbone == "tabular" and not asked.finite:
+        span = document.span("train", "backbone")
+        problem = "tabular learning needs whole-numbered observations and Discrete actions"
+        help = "use `sac`, or `auto`"
+        found.append(Diagnostic.of("JOB604", span, setting="backbone", problem=problem, help=help))
+    for name, (start, stop) in spec.fields.items():
+        if stop > asked.dimensions:
+            span = document.span("observation", name)
+            size = asked.dimensions
+            found.append(
+                Diagnostic.of("SPEC120", span, name=name, start=start, stop=stop, size=size)
+            )
+    return found
+
+
+def _labels(
+    document: Document,
+    fields: Mapping[str, tuple[int, int]],
+    complete: bool,
+    findings: Findings,
+) -> Labels | None:
+    texts: dict[str, SourceText | str] = {}
+    python: dict[str, SourceText | str] = {}
+    for name in document.keys("propositions"):
+        if document.has("propositions", name, "python"):
+            reference = document.value_text("propositions", name, "python")
+            python[name] = texts[name] = _beside(document, reference)
+        else:
+            try:
+                texts[name] = document.value_text("propositions", name)
+            except KeyError:
+                return None
+    return findings.attempt(
+        lambda: compile_predicates(texts, fields, python), unless=() if complete else NEED_FIELDS
+    )
+
+
+def _beside(document: Document, reference: SourceText) -> SourceText:
+    """A path as the task file gives it, with the task file's folder before it."""
+    value = (document.path.parent / reference.value).as_posix()
+    places = (reference.places[0],) * len(value) + reference.places
+    return SourceText(value, reference.file, places[-len(value) - 1 :])
+
+
+def _demonstrations(
+    spec: Spec, asked: Asked, labels: Labels, ldba: Ldba, document: Document, findings: Findings
+) -> DemoSet | None:
+    """The demonstrations as the plan takes them: checked, and cut after the wanted visits."""
+    wanted = spec.demonstrations
+    if wanted is None:
+        return None
+    key = "file" if wanted.file is not None else "source"
+    span = document.span("demonstrations", key)
+    demos = findings.attempt(
+        lambda: demonstrations_for(
+            wanted,
+            spec.environment,
+            labels,
+            ldba,
+            name=spec.name,
+            folder=document.path.parent,
+            span=span,
+        )
+    )
+    if not demos:
+        return demos
+    wrong = check_shape(demos, asked.dimensions, span)
+    findings.add(wrong)
+    if wrong:
+        return None
+    replayed = findings.attempt(lambda: replay_all(demos, labels, ldba, wanted.max_visits))
+    if replayed is None:
+        return None
+    cut, replays = replayed
+    findings.add(check_replays(replays, ldba, span))
+    return cut
+
+
+__all__ = ["Analysis", "analyse"]

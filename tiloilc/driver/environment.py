@@ -1,0 +1,207 @@
+"""What the environment itself says: its fields, its size, whether it resets reproducibly."""
+
+from __future__ import annotations
+
+import importlib
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tiloilc.diag import CompileError, Diagnostic, did_you_mean
+from tiloilc.plan import importable
+from tiloilc.spec import Document, Environment
+from tiloilc.versions import is_broken_mujoco
+
+if TYPE_CHECKING:
+    import gymnasium
+
+ROBOTICS = ("Fetch", "Hand", "Adroit", "Franka", "PointMaze", "AntMaze")
+"""How the ids of Gymnasium-Robotics begin."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """The answers. `fields` are [start, stop) of the flat observation of `dimensions` numbers."""
+
+    fields: dict[str, tuple[int, int]]
+    dimensions: int
+    finite: bool
+    reproducible: bool
+
+
+def ask(environment: Environment, document: Document) -> Asked:
+    """Make the environment once and ask it. Its module may stand beside the task file.
+
+    Raises CompileError JOB600 (cannot be made), JOB602 (a space that nothing here learns in),
+    JOB603 (a version known to break it).
+    """
+    span = document.span("environment", "id")
+    with importable(document.path.parent), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        env = _make(environment, document)
+        try:
+            if problem := _unsupported(env):
+                raise CompileError(
+                    Diagnostic.of("JOB602", span, environment=environment.id, problem=problem)
+                )
+            dimensions = _dimensions(env.observation_space)
+            published = {**_keys(env.observation_space), **_published(env, dimensions)}
+            return Asked(published, dimensions, _finite(env), _reproducible(env))
+        except CompileError:
+            raise
+        except Exception as error:
+            raise _cannot(environment, document, f"reset() fails: {_words(error)}") from error
+        finally:
+            env.close()
+
+
+def source_of(environment: Environment, root: Path) -> Path | None:
+    """The file in the task's own folder that defines the environment, if it is of the user's."""
+    module = environment.id.rpartition(":")[0]
+    relative = Path(*module.split(".")) if module else None
+    if relative is None:
+        return None
+    for candidate in (root / relative.with_suffix(".py"), root / relative / "__init__.py"):
+        if candidate.is_file():
+            return candidate
+    return None
+
+
+def _make(environment: Environment, document: Document) -> gymnasium.Env[Any, Any]:
+    import gymnasium
+
+    module, _, name = environment.id.rpartition(":")
+    if name.startswith(ROBOTICS):
+        _check_mujoco(name, document)
+    if module or name.startswith("tiloilc/"):
+        _import(module or "tiloilc.tasks", environment, document)
+    try:
+        gymnasium.spec(name)
+    except gymnasium.error.Error as error:
+        known = list(gymnasium.registry)
+        package = "pip install 'tiloilc[mujoco]'" if name.startswith(ROBOTICS) else ""
+        if name.startswith(ROBOTICS) and not module:
+            package = "write `gymnasium_robotics:" + name + "`"
+        help = did_you_mean(name, known) or package or "own environments: `module:Id-v0`"
+        raise _cannot(environment, document, _words(error), help=package or help) from None
+    try:
+        return gymnasium.make(name, disable_env_checker=True, **environment.kwargs)
+    except Exception as error:
+        raise _cannot(environment, document, _words(error), at_kwargs=True) from error
+
+
+def _check_mujoco(name: str, document: Document) -> None:
+    try:
+        version = metadata.version("mujoco")
+    except metadata.PackageNotFoundError:
+        return
+    if is_broken_mujoco(version):
+        raise CompileError(
+            Diagnostic.of(
+                "JOB603",
+                document.span("environment", "id"),
+                package="mujoco",
+                version=version,
+                help="pip install 'mujoco>=3.3,<3.12'",
+            )
+        )
+
+
+def _import(module: str, environment: Environment, document: Document) -> None:
+    try:
+        importlib.import_module(module)
+    except Exception as error:
+        problem = f"`import {module}` fails: {_words(error)}"
+        help = "the module must be installed or stand beside the task file"
+        raise _cannot(environment, document, problem, help=help) from error
+
+
+def _cannot(
+    environment: Environment,
+    document: Document,
+    problem: str,
+    *,
+    help: str = "",
+    at_kwargs: bool = False,
+) -> CompileError:
+    at_kwargs = at_kwargs and document.has("environment", "kwargs") and bool(environment.kwargs)
+    span = document.key_span("environment", "kwargs") if at_kwargs else None
+    span = span or document.span("environment", "id")
+    return CompileError(
+        Diagnostic.of("JOB600", span, help=help, environment=environment.id, problem=problem)
+    )
+
+
+def _words(error: BaseException) -> str:
+    """The first line of what an exception says."""
+    lines = str(error).strip().splitlines()
+    return lines[0].rstrip(".") if lines else type(error).__name__
+
+
+def _unsupported(env: gymnasium.Env[Any, Any]) -> str:
+    from gymnasium import spaces
+
+    plain = (spaces.Box, spaces.Discrete, spaces.MultiDiscrete, spaces.MultiBinary)
+    seen, acts = env.observation_space, env.action_space
+    parts = seen.spaces.values() if isinstance(seen, spaces.Dict) else (seen,)
+    if not all(isinstance(part, plain) for part in parts):
+        return f"observations that are no flat numbers ({type(seen).__name__})"
+    if isinstance(acts, spaces.Box):
+        return "" if acts.is_bounded() else "unbounded actions"
+    return "" if isinstance(acts, spaces.Discrete) else f"{type(acts).__name__} actions"
+
+
+def _dimensions(space: gymnasium.Space[Any]) -> int:
+    """Numbers in a flat observation: a Dict is flattened, anything else laid out as it is."""
+    from math import prod
+
+    from gymnasium import spaces
+
+    return spaces.flatdim(space) if isinstance(space, spaces.Dict) else prod(space.shape or (1,))
+
+
+def _finite(env: gymnasium.Env[Any, Any]) -> bool:
+    import numpy as np
+    from gymnasium import spaces
+
+    seen = env.observation_space
+    whole = isinstance(seen, spaces.Discrete | spaces.MultiDiscrete | spaces.MultiBinary)
+    whole |= isinstance(seen, spaces.Box) and np.issubdtype(seen.dtype, np.integer)
+    return whole and isinstance(env.action_space, spaces.Discrete)
+
+
+def _keys(space: gymnasium.Space[Any]) -> dict[str, tuple[int, int]]:
+    """The keys of a Dict observation, in the order of `gymnasium.spaces.utils.flatten`."""
+    from gymnasium import spaces
+
+    if not isinstance(space, spaces.Dict):
+        return {}
+    fields, start = {}, 0
+    for key, part in space.spaces.items():
+        fields[key] = (start, start + spaces.flatdim(part))
+        start = fields[key][1]
+    return fields
+
+
+def _published(env: gymnasium.Env[Any, Any], dimensions: int) -> dict[str, tuple[int, int]]:
+    published: Mapping[str, slice | int] = getattr(env.unwrapped, "observation_fields", {})
+    fields = {}
+    for name, where in published.items():
+        if isinstance(where, slice):
+            start, stop, _ = where.indices(dimensions)
+            fields[name] = (start, stop)
+        else:
+            fields[name] = (int(where), int(where) + 1)
+    return fields
+
+
+def _reproducible(env: gymnasium.Env[Any, Any]) -> bool:
+    import numpy as np
+    from gymnasium.spaces.utils import flatten
+
+    seen = [flatten(env.observation_space, env.reset(seed=7)[0]) for _ in range(2)]
+    first, second = (np.asarray(observation, dtype=np.float64) for observation in seen)
+    return bool(np.array_equal(first, second, equal_nan=True))

@@ -1,0 +1,76 @@
+"""What can be said about a formula before any training: the automaton, and findings on meaning."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from tiloilc.automaton import is_empty, translate
+from tiloilc.automaton.ldba import Ldba
+from tiloilc.diag import CompileError, Diagnostic, Span
+from tiloilc.ltl import Parsed, propositions_of, subformulas, to_text
+from tiloilc.ltl.ast import Always, And, Eventually, Formula, Next, Not
+
+TAUTOLOGY_STATES = 500
+TAUTOLOGY_SECONDS = 2.0
+"""Beyond these nobody asks whether a formula is always true: it is not written that large."""
+
+
+def translated(parsed: Parsed, span: Span) -> Ldba:
+    """The automaton of a formula. Raises CompileError AUT305, at `span`."""
+    try:
+        return translate(parsed.formula, parsed.propositions)
+    except CompileError as error:
+        raise CompileError(*(_placed(d, span) for d in error.diagnostics)) from None
+
+
+def unused(parsed: Parsed, spans: Sequence[Span]) -> Iterator[Diagnostic]:
+    """LTL204 for each declared proposition that the formula never names; `spans` are theirs."""
+    used = {name for name, _ in parsed.occurrences}
+    for name, span in zip(parsed.propositions, spans, strict=True):
+        if name not in used:
+            yield Diagnostic.of("LTL204", span, name=name, help="remove it, or use it")
+
+
+def meaning(parsed: Parsed, ldba: Ldba, span: Span) -> Iterator[Diagnostic]:
+    """LTL210, LTL211, LTL215 and AUT301, all at `span`."""
+    if is_empty(ldba):
+        yield Diagnostic.of("LTL210", span)
+        return
+    if is_tautology(parsed.formula):
+        yield Diagnostic.of("LTL211", span)
+    for part in chains(parsed.formula):
+        yield Diagnostic.of("LTL215", span, part=to_text(part))
+    if ldba.jumps:
+        yield Diagnostic.of("AUT301", span, problem="the agent chooses when to take them")
+
+
+def is_tautology(formula: Formula) -> bool:
+    """Whether every word satisfies `formula`; False where that would take too long to say."""
+    try:
+        negated = translate(
+            Not(formula),
+            propositions_of(formula),
+            max_states=TAUTOLOGY_STATES,
+            timeout=TAUTOLOGY_SECONDS,
+        )
+    except CompileError:
+        return False
+    return is_empty(negated)
+
+
+def chains(formula: Formula) -> Iterator[Formula]:
+    """The sub-formulas `GF(a & XF(b & …))`, whose order their language does not have."""
+    for part in subformulas(formula):
+        match part:
+            case Always(Eventually(And(operands))) if any(map(_continues, operands)):
+                yield part
+
+
+def _continues(part: Formula) -> bool:
+    """Whether `part` is `XF …`."""
+    return isinstance(part, Next) and isinstance(part.operand, Eventually)
+
+
+def _placed(diagnostic: Diagnostic, span: Span) -> Diagnostic:
+    return replace(diagnostic, span=diagnostic.span or span)
