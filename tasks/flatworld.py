@@ -72,13 +72,20 @@ class FlatWorldVectorEnv(BatchedEnv):
         self.observation_fields = {"pos": slice(0, 2)}
 
     def scene(self) -> Scene:
-        """Blue, then the three discs to be visited over it."""
-        return Scene((-BOUND, -BOUND, BOUND, BOUND), (BLUE, RED, GREEN, YELLOW))
+        """The three discs to be visited, and blue over them: what it covers is lost."""
+        return Scene((-BOUND, -BOUND, BOUND, BOUND), DISCS)
 
     def experts(self) -> tuple[Expert, ...]:
         """One a task: stay in yellow; two rounds red, green, yellow; yellow or red, then green."""
         return (
-            PointExpert("stabilization", ((AT_YELLOW,),), self.dt, CLEARANCE, dwell=None),
+            PointExpert(
+                "stabilization",
+                ((AT_YELLOW,),),
+                self.dt,
+                CLEARANCE,
+                dwell=None,
+                pace=(0.5, 0.7),
+            ),
             PointExpert("cycle", ((AT_RED, AT_GREEN, AT_YELLOW),), self.dt, CLEARANCE, laps=2),
             PointExpert(
                 "disjunction",
