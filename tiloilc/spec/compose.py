@@ -22,7 +22,7 @@ from ruamel.yaml.events import (
 from tiloilc.diag import CompileError, Diagnostic, SourceText, Span
 from tiloilc.spec.nodes import Entry, MappingNode, Node, Scalar, SequenceNode, Source, kind_of
 from tiloilc.spec.places import places_of
-from tiloilc.spec.swallowed import quoting_help, swallowed, what_yaml_reads
+from tiloilc.spec.swallowed import quoting_help, swallowed, what_yaml_reads, without_comment
 from tiloilc.spec.syntax import syntax_finding
 
 MAX_CHARACTERS = 1_000_000
@@ -62,7 +62,9 @@ def compose(source: Source) -> tuple[Node | None, list[Diagnostic]]:
         for event in reader.parse(source.text):
             composer.take(event)
     except YAMLError as error:
-        raise CompileError(syntax_finding(error, source), *composer.findings) from None
+        last = syntax_finding(error, source)
+        known = [f for f in composer.findings if f.code != last.code or f.span != last.span]
+        raise CompileError(*known, last) from None
     return composer.root, composer.findings
 
 
@@ -104,10 +106,13 @@ class _Composer:
         return tuple(o.key.text.value if o.key else "" for o in self._open if o.is_mapping)
 
     def _scalar(self, event: ScalarEvent) -> Scalar:
-        start, end = event.start_mark.index, event.end_mark.index
-        tag = event.tag
+        start, end, tag = event.start_mark.index, event.end_mark.index, event.tag
         if event.anchor is not None or tag is not None:
-            start = self._without_properties(event, tag, start, end)
+            foreign = tag is not None and tag not in _KNOWN_TAGS
+            if foreign or (event.style is None and swallowed(self._path(), self._at(start))):
+                return self._swallow(start)
+            properties = _PROPERTIES.match(self.source.text, start, end)
+            start = properties.end() if event.value and properties else end
         raw, value = self.source.text[start:end], event.value
         indices = places_of(value, raw, event.style, start)
         text = SourceText(value, self.source.file, tuple(map(self.source.place, indices)))
@@ -116,18 +121,12 @@ class _Composer:
         plain = event.style is None and (tag is None or not tag.endswith(":str"))
         return Scalar(text, span, plain)
 
-    def _without_properties(self, event: ScalarEvent, tag: str | None, start: int, end: int) -> int:
-        """Where the scalar itself begins; its tag or anchor may be a piece of a formula."""
-        text = self.source.text
-        foreign = tag is not None and tag not in _KNOWN_TAGS
-        bare = event.style is None and swallowed(self._path(), text[start])
-        if foreign or bare:
-            self._swallow(start)
-        properties = _PROPERTIES.match(text, start, end)
-        return end if not event.value and event.style is None else properties.end()  # type: ignore[union-attr]
+    def _at(self, index: int) -> str:
+        return self.source.text[index : index + 1]
 
-    def _swallow(self, start: int) -> None:
-        line = self.source.text[start : self.source.line_end(start)]
+    def _swallow(self, start: int) -> Scalar:
+        """SPEC104, and the text that was meant, so that it can be checked all the same."""
+        line = without_comment(self.source.text[start : self.source.line_end(start)])
         key = self._open[-1].key if self._open else None
         reading, token = what_yaml_reads(line)
         self.findings.append(
@@ -139,14 +138,12 @@ class _Composer:
                 help=quoting_help(key.text.value if key else None, line),
             )
         )
+        places = tuple(self.source.place(start + i) for i in range(len(line) + 1))
+        span = self.source.span(start, start + len(line))
+        return Scalar(SourceText(line, self.source.file, places), span, plain=False)
 
     def _alias(self, event: AliasEvent) -> Node:
-        node = self._anchors.get(event.anchor)
-        if node is not None:
-            return node
-        self._swallow(event.start_mark.index)
-        span = self._span(event)
-        return Scalar(SourceText(" ", span.file, ((span.line, span.column),) * 2), span, False)
+        return self._anchors.get(event.anchor) or self._swallow(event.start_mark.index)
 
     def _name(self, anchor: str | None, node: Node) -> None:
         if anchor is not None:
@@ -159,7 +156,7 @@ class _Composer:
             raise _too_large(place, f"nested more than {MAX_DEPTH} levels deep")
         foreign = event.tag is not None and event.tag not in _KNOWN_TAGS
         path, mapping = self._path(), isinstance(event, MappingStartEvent)
-        flow = swallowed(path, self.source.text[start : start + 1])
+        flow = swallowed(path, self._at(start))
         if foreign or (flow and not (mapping and path[0] == "propositions")):
             self._swallow(start)
         self._open.append(_Open(start, event.anchor, mapping))

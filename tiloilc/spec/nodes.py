@@ -111,7 +111,7 @@ _INFINITE = re.compile(r"[-+]?\.(inf|Inf|INF)")
 _UNDEFINED = re.compile(r"\.(nan|NaN|NAN)")
 
 MAX_DIGITS = 1_000
-"""Longer integers stay text: Python refuses to read them, and nobody means them."""
+"""Longer numbers stay text: Python refuses to read them, and nobody means them."""
 
 
 def is_empty(node: Scalar) -> bool:
@@ -128,10 +128,11 @@ def scalar_value(node: Scalar) -> str | int | float | bool | None:
         return None
     if _TRUE.fullmatch(text) or _FALSE.fullmatch(text):
         return text.lower() == "true"
-    if len(text) <= MAX_DIGITS:
-        for pattern, base in ((_WHOLE, 10), (_OCTAL, 8), (_HEX, 16)):
-            if pattern.fullmatch(text):
-                return int(text if base == 10 else text[2:], base)
+    if len(text) > MAX_DIGITS:
+        return text
+    for pattern, base in ((_WHOLE, 10), (_OCTAL, 8), (_HEX, 16)):
+        if pattern.fullmatch(text):
+            return int(text if base == 10 else text[2:], base)
     if _INFINITE.fullmatch(text) or _UNDEFINED.fullmatch(text):
         return float(text.replace(".", ""))
     return float(text) if _FLOAT.fullmatch(text) else text

@@ -82,7 +82,8 @@ def key_place(root: Node, path: Location) -> Span:
         entry = entry_at(root, path[:end])
         if entry is not None:
             return entry.key.span
-    return Span(root.span.file, root.span.line, root.span.column, root.span.line, root.span.column)
+    file, line, column = root.span.file, root.span.line, root.span.column
+    return Span(file, line, column, line, column + 1)
 
 
 def known_keys(path: Location) -> Mapping[str, FieldInfo]:

@@ -39,9 +39,14 @@ def what_yaml_reads(line: str) -> tuple[str, str]:
 
 def quoting_help(key: str | None, line: str) -> str:
     """How to quote the value `line`, spelt out if it is short."""
-    value = re.sub(r"\s+#.*$", "", line).strip()
+    value = without_comment(line)
     if key is None or len(value) > 60 or "\\" in value or ('"' in value and "'" in value):
         return "put the whole text in quotes"
     quote = "'" if '"' in value else '"'
     quoted = f"{quote}{shorten(value, 60)}{quote}"
     return f"quote it: {key}: {quoted}"
+
+
+def without_comment(line: str) -> str:
+    """The rest of a line as it was meant, without a comment and space behind it."""
+    return re.sub(r"\s+#.*$", "", line).rstrip()
