@@ -17,9 +17,12 @@ from tiloilc.evaluate import Band, Summary
 from tiloilc.report.markup import Markup, number, tag
 from tiloilc.report.reading import Floats
 
-__all__ = ["Area", "Frame", "Level", "Series", "area_chart", "line_chart", "strip", "ticks"]
+__all__ = ["Area", "Level", "Series", "area_chart", "line_chart", "short", "strip", "ticks"]
 
 Text = Callable[[float], str]
+
+LEAST_NAMED = 0.05
+"""A layer of a smaller share has no room for its name."""
 
 
 @dataclass(frozen=True)
@@ -48,23 +51,24 @@ class Area:
     """One layer of a stack: its share at each step [points] and its colour."""
 
     label: str
+    name: str
     color: str
     shares: Floats
 
 
 @dataclass(frozen=True)
 class Frame:
-    """A plot's rectangle and what its edges stand for."""
+    """A plot's size, its margins, and what its edges stand for; x begins at 0."""
 
     width: float
     height: float
-    left: float
-    top: float
     right: float
-    bottom: float
     x_max: float
     y_min: float
     y_max: float
+    left: float = 46
+    top: float = 28
+    bottom: float = 44
 
     def x(self, value: float) -> float:
         """Across, from a value."""
@@ -120,16 +124,15 @@ def line_chart(
         least, most = 0.0, 1.0
     y_ticks = ticks(least, most, 4 if height < 240 else 5)
     x_last = max((s.steps[-1] for s in series if s.steps), default=1)
-    frame = Frame(
-        width, height, 46, 28, 104 if labels and levels else 16, 44,
-        max(x_last, 1), y_ticks[0], y_ticks[-1],
-    )  # fmt: skip
+    right = 128 if labels and levels else 16
+    frame = Frame(width, height, right, max(x_last, 1), y_ticks[0], y_ticks[-1])
     body = [_axes(frame, y_ticks, show, unit)]
     body += [_level(frame, level) for level in levels]
     for one in series:
-        body.append(tag("g", _series(frame, one, show), class_=f"series {one.style}"))
+        crowded = " crowded" if len(series) > 1 else ""
+        body.append(tag("g", _series(frame, one, show), class_=f"series {one.style}{crowded}"))
     if labels:
-        body.append(_level_names(frame, levels, show))
+        body += _level_names(frame, levels, show)
     body.append(tag("line", class_="cursor", y1=frame.top, y2=height - frame.bottom))
     return _svg(frame, body, title, _hover(frame, series, show))
 
@@ -138,7 +141,7 @@ def area_chart(
     steps: Sequence[int], areas: Sequence[Area], *, title: str, width: float, height: float
 ) -> Markup:
     """Shares of one over environment steps, stacked from the bottom in the order given."""
-    frame = Frame(width, height, 46, 28, 16, 44, max(steps[-1], 1), 0.0, 1.0)
+    frame = Frame(width, height, 34, max(steps[-1], 1), 0.0, 1.0)
     at = [0, *steps]  # the first line of the log speaks of the time since step 0
     base = np.zeros(len(at))
     body = []
@@ -149,6 +152,9 @@ def area_chart(
         body.append(
             tag("path", tag("title", area.label), d=f"{_path(upper + lower)}Z", fill=area.color)
         )
+        if area.shares[-1] > LEAST_NAMED:
+            middle = frame.y(float((base + over)[-1]) / 2) + 4
+            body.append(tag("text", area.name, class_="area-name", x=width - 28, y=middle))
         base = over
     marks = [0.0, 0.25, 0.5, 0.75, 1.0]
     body.append(_axes(frame, marks, lambda v: f"{v * 100:.0f} %", "share of training steps"))
@@ -168,31 +174,27 @@ def strip(
     values: Floats, names: Sequence[str], summary: Summary, low: float, high: float, show: Text
 ) -> Markup:
     """Every seed a dot on the line from `low` to `high`, equal ones stacked, with the IQM's bar."""
-    width, height, margin = 150.0, 30.0, 6.0
+    width, height, margin = 150.0, 34.0, 6.0
     span = high - low if high > low else 1.0
 
     def x(value: float) -> float:
         return margin + (value - low) / span * (width - 2 * margin)
 
-    middle = height / 2
+    middle, mark = height / 2, x(summary.iqm)
     interval = summary.iqm_interval
     body = [
         tag("line", class_="rail", x1=margin, x2=width - margin, y1=middle, y2=middle),
         tag("line", class_="ci", x1=x(interval.low), x2=x(interval.high), y1=middle, y2=middle),
+        tag("line", class_="iqm", x1=mark, x2=mark, y1=middle - 14, y2=middle + 14),
     ]
-    stacked: dict[int, int] = {}
-    for i in np.argsort(values, kind="stable"):
-        if np.isnan(values[i]):
-            continue
-        column = round(x(float(values[i])) / 5)
-        place = stacked.get(column, 0)
-        stacked[column] = place + 1
-        offset = (-1) ** place * ((place + 1) // 2) * 5.2
-        dot = {"cx": x(float(values[i])), "cy": middle + max(-11.0, min(11.0, offset))}
+    seen = [int(i) for i in np.argsort(values, kind="stable") if not np.isnan(values[i])]
+    columns = [round(x(float(values[i])) / 5) for i in seen]
+    gap = min(5.2, (height - 6) / max(1, *(columns.count(c) - 1 for c in columns)))
+    for place, i in enumerate(seen):
+        above, of = columns[:place].count(columns[place]), columns.count(columns[place])
+        dot = {"cx": x(float(values[i])), "cy": middle + (above - (of - 1) / 2) * gap}
         about = tag("title", f"{names[i]}: {show(float(values[i]))}")
         body.append(tag("circle", about, class_="dot", r=2.6, **dot))
-    mark = x(summary.iqm)
-    body.append(tag("line", class_="iqm", x1=mark, x2=mark, y1=middle - 11, y2=middle + 11))
     return tag("svg", body, class_="strip", viewBox=f"0 0 {number(width)} {number(height)}",
                width=width, height=height, role="img", aria_label="one dot a seed")  # fmt: skip
 
@@ -270,7 +272,7 @@ def _level_names(frame: Frame, levels: Sequence[Level], show: Text) -> list[Mark
     for level in sorted(levels, key=lambda one: -one.value):
         y = max(frame.y(level.value) + 4, last + 15)
         last = y
-        said = f"{level.label} {show(level.value)}"
+        said = f"{level.label.partition(',')[0]} {show(level.value)}"
         body.append(tag("text", said, class_=f"level-name {level.style}", x=x, y=y))
     return body
 

@@ -22,6 +22,7 @@ from tiloilc.report.run import Run
 __all__ = [
     "METRIC_TEXTS",
     "MetricText",
+    "algorithm",
     "area",
     "cloning",
     "efficiency",
@@ -145,15 +146,15 @@ def algorithm(run: Run) -> str:
 
 
 def verdict(run: Run) -> str:
-    """The result in one or two sentences, with its interval, the optimum and cloning beside it."""
+    """The result with its interval, optimum and cloning beside it: a sentence less its subject."""
     values = greedy(run)
     visits = summary(values.get(VISITS))
     if visits is None:
-        return f"{algorithm(run)} has not been evaluated yet, so there is no result to report."
+        return "has not been evaluated yet, so there is no result to report."
     low, high = visits.mean_interval.low, visits.mean_interval.high
     seeds = f"{visits.count} seed{'' if visits.count == 1 else 's'}"
     spread = f"95 % interval {low:.2f}–{high:.2f}, {seeds}" if visits.count > 1 else seeds
-    said = f"{algorithm(run)} makes {visits.mean:.2f} accepting visits per episode ({spread})"
+    said = f"makes {visits.mean:.2f} accepting visits per episode ({spread})"
     best, cloned = levels_of(run, VISITS)
     beside = []
     if best is not None and best > 0:

@@ -60,10 +60,10 @@ def small_curves(runs: Sequence[Run], names: Sequence[str]) -> Markup | None:
             continue
         show = (lambda v: f"{v * 100:.0f} %") if about.share else number
         levels = []
-        for i, run in enumerate(runs):
+        for run in runs:
             _, cloned = facts.levels_of(run, metric)
             if cloned is not None and len(runs) == 1:
-                levels.append(Level("cloning alone", f"cloning run-{i % 8}", cloned))
+                levels.append(Level("cloning alone", "cloning", cloned))
         chart = line_chart(
             series, levels, title=f"{about.title} over training", unit=about.unit,
             width=SMALL[0], height=SMALL[1], show=show,
@@ -96,7 +96,7 @@ def occupancy(run: Run, states: Sequence[State]) -> Markup | None:
     rank = {"live": 0, "accepting": 1, "sink": 2}
     ordered = sorted(states, key=lambda s: (rank[s.kind], s.stage, s.number))
     shares = run.occupancy.shares
-    areas = [Area(s.label, s.color, shares[:, s.number]) for s in ordered]
+    areas = [Area(s.label, s.short, s.color, shares[:, s.number]) for s in ordered]
     steps = run.occupancy.steps
 
     def drawn(width: float, height: float) -> Markup:
@@ -113,16 +113,21 @@ def paths(run: Run, states: Sequence[State]) -> Markup | None:
     names = [f"seed {seed}" for seed in run.seeds]
     drawn = None
     if run.plan is not None:
-        drawn = map_of(run.plan.environment.id, dict(run.plan.environment.kwargs))
+        drawn = map_of(run.plan.environment.id, dict(run.plan.environment.kwargs), run.root)
         width = run.trajectories.observations.shape[2]
         if drawn is not None and not all(0 <= i < width for i in drawn.position):
             drawn = None
+    taken = run.trajectories
+
+    def bars(width: float, _: float) -> Markup:
+        return timeline(taken, states, names, width)
+
     over_map = None if drawn is None else panels(run.trajectories, drawn, states, names)
     missing = tag("p", "The environment publishes no two-dimensional map.", class_="quiet")
     return concat(
         missing if over_map is None else over_map,
         legend(tuple(states)),
-        tag("div", timeline(run.trajectories, states, names), class_="wide"),
+        _both(bars),
     )
 
 
@@ -173,11 +178,12 @@ def _levels(runs: Sequence[Run], names: Sequence[str]) -> list[Level]:
     found: list[Level] = []
     for i, (run, name) in enumerate(zip(runs, names, strict=True)):
         best, cloned = facts.levels_of(run, facts.VISITS)
-        of = "" if len(runs) == 1 else f" · {name}"
+        of = "" if len(runs) == 1 else f", {name}"
         if best is not None and all(one.value != best for one in found if "optimum" in one.style):
             found.append(Level("optimum", "optimum", best))
         if cloned is not None and all(one.value != cloned for one in found):
-            found.append(Level(f"cloning alone{of}", f"cloning run-{i % 8}", cloned))
+            style = f"cloning {'' if len(runs) == 1 else f'run-{i % 8}'}".strip()
+            found.append(Level(f"cloning alone{of}", style, cloned))
     return found
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import shlex
 from collections.abc import Sequence
 from importlib.resources import files
 
@@ -32,11 +33,20 @@ def render(runs: Sequence[Run]) -> str:
     else:
         sections.append(("Comparison", _comparison(runs, names)))
     sections.append(("Learning curves", _curves(runs, names)))
-    for run, name in zip(runs, names, strict=True):
-        sections += _of_run(run, "" if single else f" · {name}", first=_first_of_plan(run, runs))
-    sections.append(("Settings", _settings(runs, names)))
+    drawn = [_automaton_of(run, runs) for run in runs]
+    for run, name, shared in zip(runs, names, drawn, strict=True):
+        of = "" if single else f" · {name}"
+        states = _states(run)
+        if shared is not None:
+            sections.append((f"Automaton{'' if shared else of}", _automaton(run, states)))
+        sections.append((f"Stage occupancy{of}", _occupancy(run, states)))
+        sections.append((f"Trajectories{of}", _trajectories(run, states)))
+    sections.append(("Settings", tables.settings(runs, names)))
     sections.append(
-        ("Provenance", concat(_provenance(r, n) for r, n in zip(runs, names, strict=True)))
+        (
+            "Provenance",
+            concat(_provenance(r, "" if single else n) for r, n in zip(runs, names, strict=True)),
+        )
     )
     sections.append(("How to read this page", _reading()))
     body += [tag("section", tag("h2", head), content) for head, content in sections]
@@ -78,7 +88,7 @@ def _header(run: Run) -> Markup:
         body.append(tag("p", plan.description, class_="lead"))
     if plan is not None and plan.formula:
         body.append(tag("pre", tag("code", plan.formula), class_="formula"))
-    body.append(tag("p", facts.verdict(run), class_="verdict"))
+    body.append(tag("p", facts.algorithm(run), " ", facts.verdict(run), class_="verdict"))
     about = [facts.algorithm(run), f"preset {run.preset}"]
     about.append(f"{len(run.seeds)} seed{'' if len(run.seeds) == 1 else 's'}")
     about.append(f"{run.end:,} environment steps each")
@@ -95,7 +105,7 @@ def _comparison_header(runs: Sequence[Run], title: str) -> Markup:
     body += [tag("pre", tag("code", formula), class_="formula") for formula in formulas if formula]
     names = facts.labels(runs)
     said = [
-        tag("li", tag("i", class_=f"key run-{i % 8}"), tag("b", name), " – ", facts.verdict(run))
+        tag("li", tag("i", class_=f"key run-{i % 8}"), tag("b", name), " ", facts.verdict(run))
         for i, (run, name) in enumerate(zip(runs, names, strict=True))
     ]
     body.append(tag("ul", said, class_="verdict list"))
@@ -117,7 +127,7 @@ def _warnings(run: Run, of: str) -> Markup:
 
 def _results(run: Run) -> Markup:
     if not facts.greedy(run):
-        return _absent("There is no evaluation to show.")
+        return tables.absent("There is no evaluation to show.")
     body = [tables.results(run)]
     said = []
     if run.final is not None and run.final.episodes is not None:
@@ -136,9 +146,8 @@ def _results(run: Run) -> Markup:
         said.append(f"Mean height of the learning curve: {area.mean:.2f} ± {area.sd:.2f} visits.")
     if run.final is not None and run.final.optimum is not None:
         kind = "exact" if run.final.optimum_exact else "a bound"
-        how = run.final.optimum_how.rstrip(".")
-        how = f": {how}" if how and kind not in how else f" ({how})" if how else ""
-        said.append(f"The optimum of {number(run.final.optimum)} is {kind}{how}.")
+        how = run.final.optimum_how.rstrip(".") or kind
+        said.append(f"Optimum of {number(run.final.optimum)}: {how}.")
     body.append(tag("p", " ".join(said), class_="caption"))
     return concat(body)
 
@@ -162,7 +171,7 @@ def _curves(runs: Sequence[Run], names: Sequence[str]) -> Markup:
         main = figures.curves(some, called)
         small = figures.small_curves(some, called)
         if main is None:
-            body.append(_absent("There was no evaluation during training."))
+            body.append(tables.absent("There was no evaluation during training."))
             continue
         said = "Greedy policies, evaluated during training."
         body.append(tag("figure", main, tag("figcaption", said)))
@@ -173,57 +182,48 @@ def _curves(runs: Sequence[Run], names: Sequence[str]) -> Markup:
     return concat(body)
 
 
-def _of_run(run: Run, of: str, *, first: bool) -> list[tuple[str, Markup]]:
+def _states(run: Run) -> tuple[State, ...]:
     count = 0 if run.occupancy is None else run.occupancy.shares.shape[1]
     if run.plan is not None:
         count = len(run.plan.ldba.names)
     elif run.trajectories is not None:
         count = max(count, int(run.trajectories.states.max()) + 1)
-    states = states_of(run.plan, count)
-    sections = []
-    if first:
-        sections.append((f"Automaton{of}", _automaton(run, states)))
-    occupied = None if _misfit(run, states) else figures.occupancy(run, states)
+    return states_of(run.plan, count)
+
+
+def _occupancy(run: Run, states: Sequence[State]) -> Markup:
+    shown = None if _misfit(run, states) else figures.occupancy(run, states)
+    if shown is None:
+        return tables.absent("The event log has no stage histogram of this automaton.")
     said = (
         "Share of all seeds' training steps in each automaton state, in the order of the stages: "
         "learning moves the mass up, towards acceptance."
     )
-    sections.append(
-        (
-            f"Stage occupancy{of}",
-            _absent("The event log has no stage histogram of this automaton.")
-            if occupied is None
-            else tag("figure", occupied, tag("figcaption", said)),
-        )
-    )
+    return tag("figure", shown, tag("figcaption", said))
+
+
+def _trajectories(run: Run, states: Sequence[State]) -> Markup:
     shown = None if _misfit(run, states) else figures.paths(run, states)
+    if shown is None:
+        return tables.absent("There is no trajectories.npz of this automaton in the run folder.")
     said = (
         "One greedy episode a seed. The colour is the automaton state in which each step is "
         "taken; ○ start, filled discs accepting visits, × the sink."
     )
-    sections.append(
-        (
-            f"Trajectories{of}",
-            _absent("There is no trajectories.npz of this automaton in the run folder.")
-            if shown is None
-            else concat(shown, tag("p", said, class_="caption")),
-        )
-    )
-    return sections
+    return concat(shown, tag("p", said, class_="caption"))
 
 
 def _automaton(run: Run, states: Sequence[State]) -> Markup:
     if run.plan is None:
-        return _absent("The automaton is not known: plan.json is missing.")
+        return tables.absent("The automaton is not known: plan.json is missing.")
     drawn = figures.automaton(run)
-    table = tables.stages(run, states)
     said = (
         "Stage is SIDX(b), the longest way from the start without acceptance; length is N(b), the "
         "longest way through b to acceptance; both in edges."
     )
     return concat(
-        _absent("It cannot be drawn here: Graphviz is not installed.") if drawn is None else drawn,
-        "" if table is None else table,
+        tables.absent("It cannot be drawn here: Graphviz is missing.") if drawn is None else drawn,
+        tables.stages(run.plan.stages, states),
         tag("p", said, class_="caption"),
     )
 
@@ -235,51 +235,6 @@ def _misfit(run: Run, states: Sequence[State]) -> bool:
     return run.trajectories is not None and int(run.trajectories.states.max()) >= len(states)
 
 
-def _settings(runs: Sequence[Run], names: Sequence[str]) -> Markup:
-    body = []
-    if len(runs) > 1:
-        table = tables.differences(runs, names)
-        body.append(_absent("All runs have the same settings.") if table is None else table)
-    known = [run for run in runs if run.plan is not None]
-    if not known:
-        return concat(body, _absent("Settings are not known: plan.json is missing."))
-    plan = known[0].plan
-    assert plan is not None
-    rows = [
-        tag(
-            "tr",
-            tag("th", tag("code", p.name), scope="row"),
-            tag("td", tag("code", p.text or p.python)),
-        )
-        for p in plan.predicates
-    ]
-    task = {
-        "environment": plan.environment.id,
-        **{name: str(value) for name, value in plan.environment.kwargs.items()},
-        "horizon": f"{plan.environment.horizon} steps",
-        "demonstrations": _demonstrations(plan.demonstrations.model_dump()),
-        "evaluation": f"{plan.evaluate.episodes} episodes a seed",
-    }
-    if len(runs) > 1:
-        body.append(tag("h3", f"All of {names[runs.index(known[0])]}"))
-    body += [
-        tag("h3", "Task") if len(runs) == 1 else "",
-        tables.pairs(task),
-        tag("div", tag("table", tag("tbody", rows), class_="predicates"), class_="wide"),
-        tag("h3", "Training") if len(runs) == 1 else "",
-        tables.pairs(tables.settings_of(known[0]), tuple(known[0].overrides)),
-    ]
-    return concat(body)
-
-
-def _demonstrations(given: dict[str, object]) -> str:
-    source = given.get("source") or given.get("file") or given.get("minari") or "none"
-    said = f"{given.get('count')} from {source}"
-    if given.get("max_visits"):
-        said += f", each cut after {given['max_visits']} visits"
-    return f"{said}, actions {given.get('actions')}"
-
-
 def _provenance(run: Run, name: str) -> Markup:
     final = run.final
     digests = {"plan": run.plan_digest} if run.plan_digest else {}
@@ -287,7 +242,7 @@ def _provenance(run: Run, name: str) -> Markup:
     if run.plan is not None:
         digests |= run.plan.digests
         versions = {"tiloilc": run.plan.version, **versions}
-    body = [tag("h3", name)]
+    body = [tag("h3", name)] if name else []
     body.append(tables.pairs(versions, kind="tight"))
     if final is not None and final.machine:
         body.append(tables.pairs(final.machine, kind="tight"))
@@ -303,20 +258,14 @@ def _commands(run: Run) -> list[str]:
     lines = []
     if run.final is not None and run.final.git_commit:
         lines.append(f"git checkout {run.final.git_commit}")
-    changed = "".join(f" --set {_quoted(f'{k}={v}')}" for k, v in run.overrides.items())
+    changed = "".join(f" --set {shlex.quote(f'{k}={v}')}" for k, v in run.overrides.items())
     digests = {} if run.plan is None else run.plan.digests
     spec = next((key[5:] for key in digests if key.startswith("spec:")), f"{run.name}.yaml")
-    lines.append(f"tiloilc compile {_quoted(spec)}")
-    lines.append(f"tiloilc train {_quoted(f'build/{run.name}')}{changed}")
-    lines.append(f"tiloilc eval {_quoted(f'runs/{run.name}/{run.folder}')}")
-    lines.append(f"tiloilc report {_quoted(f'runs/{run.name}/{run.folder}')}")
+    lines.append(f"tiloilc compile {shlex.quote(spec)}")
+    lines.append(f"tiloilc train {shlex.quote(f'build/{run.name}')}{changed}")
+    lines.append(f"tiloilc eval {shlex.quote(f'runs/{run.name}/{run.folder}')}")
+    lines.append(f"tiloilc report {shlex.quote(f'runs/{run.name}/{run.folder}')}")
     return lines
-
-
-def _quoted(word: str) -> str:
-    import shlex
-
-    return shlex.quote(word)
 
 
 def _reading() -> Markup:
@@ -334,12 +283,12 @@ def _reading() -> Markup:
     return tables.pairs(about, kind="glossary")
 
 
-def _first_of_plan(run: Run, runs: Sequence[Run]) -> bool:
-    """Whether this is the first of the runs with its automaton, so that each is drawn once."""
-    if run.plan is None:
-        return True
-    same = [r for r in runs if r.plan is not None and r.plan.ldba == run.plan.ldba]
-    return same[0] is run
+def _automaton_of(run: Run, runs: Sequence[Run]) -> bool | None:
+    """Whether the run's automaton is that of all runs; None if an earlier run has shown it."""
+    same = [r for r in runs if r.plan is not None and run.plan and r.plan.ldba == run.plan.ldba]
+    if same and same[0] is not run:
+        return None
+    return len(same) == len(runs)
 
 
 def _duration(seconds: float) -> str:
@@ -347,7 +296,3 @@ def _duration(seconds: float) -> str:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)
     return f"{minutes} min" if minutes < 120 else f"{minutes // 60} h {minutes % 60} min"
-
-
-def _absent(said: str) -> Markup:
-    return tag("p", said, class_="quiet absent")

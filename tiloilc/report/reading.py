@@ -1,9 +1,11 @@
-"""Checked access to JSON whose shape is promised by the contract but not by the file system."""
+"""Checked access to JSON and event logs: their shape is promised by the contract, not by files."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
@@ -11,9 +13,22 @@ import numpy.typing as npt
 
 from tiloilc.evaluate.records import Json
 
-__all__ = ["Floats", "Unfit", "column", "floats", "integer", "mapping", "parse", "table", "words"]
+__all__ = [
+    "Events",
+    "Floats",
+    "Object",
+    "Unfit",
+    "floats",
+    "integer",
+    "mapping",
+    "parse",
+    "read_events",
+    "table",
+    "words",
+]
 
 Floats: TypeAlias = npt.NDArray[np.float64]
+Object: TypeAlias = Mapping[str, Json]
 
 
 class Unfit(ValueError):
@@ -56,10 +71,10 @@ def floats(value: Json, where: str, count: int) -> Floats:
     """A list of `count` numbers, null as nan."""
     if not isinstance(value, list) or len(value) != count:
         raise Unfit(f"{where} is no list of {count} numbers")
-    return np.array([column(item, where) for item in value], dtype=np.float64)
+    return np.array([_number(item, where) for item in value], dtype=np.float64)
 
 
-def column(item: Json, where: str) -> float:
+def _number(item: Json, where: str) -> float:
     """A number; null is nan."""
     if item is None:
         return float("nan")
@@ -76,3 +91,50 @@ def table(value: Json, where: str, rows: int) -> Floats:
     width = len(first) if isinstance(first, list) else 0
     lists: Sequence[Floats] = [floats(row, where, width) for row in value]
     return np.stack(lists)
+
+
+@dataclass
+class Events:
+    """What the lines of an event log say, gathered while reading."""
+
+    start: Object = field(default_factory=dict)
+    train: list[Object] = field(default_factory=list)
+    eval: list[Object] = field(default_factory=list)
+    ended: bool = False
+    last: int = 0
+
+
+def read_events(log: Path, notes: list[str]) -> Events:
+    """The events of a log; what is missing or cut off goes to `notes`. Raises Unfit if damaged."""
+    events = Events()
+    if not log.is_file():
+        notes.append("events.jsonl is missing: nothing is known of how training went.")
+        return events
+    for line in _lines(log, notes):
+        kind = line.get("type")
+        events.last = max(events.last, integer(line.get("step"), "`step` of an event"))
+        if kind == "start":
+            events.start = line
+        elif kind == "train":
+            events.train.append(line)
+        elif kind == "eval":
+            events.eval.append(line)
+        elif kind == "end":
+            events.ended = True
+    return events
+
+
+def _lines(log: Path, notes: list[str]) -> Iterator[dict[str, Json]]:
+    """The events; a last line without an end was being written when the run was killed."""
+    try:
+        lines = log.read_text(encoding="utf-8").splitlines(keepends=True)
+    except UnicodeDecodeError:
+        raise Unfit("events.jsonl is damaged") from None
+    for number, line in enumerate(lines, start=1):
+        try:
+            yield parse(line, f"events.jsonl, line {number},")
+        except Unfit:
+            if number == len(lines) and not line.endswith("\n"):
+                notes.append("The last event was cut off while it was being written.")
+                return
+            raise

@@ -6,8 +6,8 @@ but damaged is an error: a report must never show half of a file as if it were a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,18 @@ from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate import METRICS
 from tiloilc.evaluate.records import Json
 from tiloilc.plan.model import Plan
-from tiloilc.report.reading import Floats, Unfit, floats, integer, mapping, parse, table, words
+from tiloilc.report.reading import (
+    Floats,
+    Object,
+    Unfit,
+    floats,
+    integer,
+    mapping,
+    parse,
+    read_events,
+    table,
+    words,
+)
 
 __all__ = ["Curve", "Final", "Occupancy", "Run", "Trajectories", "read_run"]
 
@@ -63,9 +74,12 @@ class Final:
 
 @dataclass(frozen=True)
 class Run:
-    """One run. `total` is how far it was to go, `end` how far it went, both in steps of a seed."""
+    """One run. `end` is how far it went, in environment steps of a seed; `root` is the folder of
+    its task file.
+    """
 
     folder: str
+    root: Path
     name: str
     algorithm: str
     preset: str
@@ -92,17 +106,6 @@ class Run:
         return None if self.plan is None else self.plan.train.steps
 
 
-@dataclass
-class _Events:
-    """What the lines of an event log say, gathered while reading."""
-
-    start: Mapping[str, Json] = field(default_factory=dict)
-    train: list[Mapping[str, Json]] = field(default_factory=list)
-    eval: list[Mapping[str, Json]] = field(default_factory=list)
-    ended: bool = False
-    last: int = 0
-
-
 def read_run(path: Path) -> Run:
     """The run in the folder `path`.
 
@@ -124,7 +127,7 @@ def _read(path: Path) -> Run:
     log = path / "events.jsonl"
     if evaluation is None and not log.is_file():
         raise Unfit("it has neither events.jsonl nor eval.json")
-    events = _events(log, notes)
+    events = read_events(log, notes)
     about = {**events.start, **(evaluation or {})}
     seeds = _seeds(about)
     plan = _plan(path, notes)
@@ -137,6 +140,7 @@ def _read(path: Path) -> Run:
     end = integer(about.get("steps", events.last), "`steps`")
     return Run(
         folder=path.resolve().name,
+        root=path if plan is None else path / plan.root,
         name=str(about.get("name", path.resolve().name)),
         algorithm=str(about.get("algorithm", "?")),
         preset=str(about.get("preset", "?")),
@@ -156,7 +160,7 @@ def _read(path: Path) -> Run:
     )
 
 
-def _seeds(about: Mapping[str, Json]) -> tuple[int, ...]:
+def _seeds(about: Object) -> tuple[int, ...]:
     seeds = about.get("seeds")
     if not isinstance(seeds, list) or not seeds:
         raise Unfit("neither the first event nor eval.json names its seeds")
@@ -176,42 +180,7 @@ def _plan(path: Path, notes: list[str]) -> Plan | None:
         raise Unfit("plan.json is damaged") from None
 
 
-def _events(log: Path, notes: list[str]) -> _Events:
-    events = _Events()
-    if not log.is_file():
-        notes.append("events.jsonl is missing: nothing is known of how training went.")
-        return events
-    for line in _lines(log, notes):
-        kind = line.get("type")
-        events.last = max(events.last, integer(line.get("step"), "`step` of an event"))
-        if kind == "start":
-            events.start = line
-        elif kind == "train":
-            events.train.append(line)
-        elif kind == "eval":
-            events.eval.append(line)
-        elif kind == "end":
-            events.ended = True
-    return events
-
-
-def _lines(log: Path, notes: list[str]) -> Iterator[dict[str, Json]]:
-    """The events; a last line without an end was being written when the run was killed."""
-    try:
-        lines = log.read_text(encoding="utf-8").splitlines(keepends=True)
-    except UnicodeDecodeError:
-        raise Unfit("events.jsonl is damaged") from None
-    for number, line in enumerate(lines, start=1):
-        try:
-            yield parse(line, f"events.jsonl, line {number},")
-        except Unfit:
-            if number == len(lines) and not line.endswith("\n"):
-                notes.append("The last event was cut off while it was being written.")
-                return
-            raise
-
-
-def _curve(events: list[Mapping[str, Json]], key: str, seeds: int) -> Curve:
+def _curve(events: Sequence[Object], key: str, seeds: int) -> Curve:
     """The values under `key` (or beside the step, if it is empty); of equal steps the last."""
     by_step = {integer(e.get("step"), "`step`"): e for e in events}
     rows = {
@@ -233,14 +202,15 @@ def _curve(events: list[Mapping[str, Json]], key: str, seeds: int) -> Curve:
     return Curve(tuple(rows), values)
 
 
-def _points(value: Json) -> list[Mapping[str, Json]]:
+def _points(value: Json) -> list[Object]:
     if not isinstance(value, list):
         return []
     return [mapping(point, "a point of `curve`") for point in value]
 
 
-def _occupancy(events: list[Mapping[str, Json]], seeds: int) -> Occupancy | None:
-    steps, shares = [], []
+def _occupancy(events: Sequence[Object], seeds: int) -> Occupancy | None:
+    steps: list[int] = []
+    shares: list[Floats] = []
     for event in events:
         if event.get("stage_histogram") is None:
             continue
@@ -254,7 +224,7 @@ def _occupancy(events: list[Mapping[str, Json]], seeds: int) -> Occupancy | None
     return Occupancy(tuple(steps), np.stack(shares)) if shares else None
 
 
-def _final(evaluation: Mapping[str, Json], seeds: int) -> Final:
+def _final(evaluation: Object, seeds: int) -> Final:
     policies = {}
     for policy in ("greedy", "stochastic", "cloning"):
         metrics = mapping(evaluation.get(policy), f"`{policy}`")

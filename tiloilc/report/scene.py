@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from tiloilc.plan import importable
 from tiloilc.report.markup import Markup, number, tag
 from tiloilc.report.run import Trajectories
 from tiloilc.report.states import State
@@ -39,18 +42,20 @@ class Map:
     position: tuple[int, int]
 
 
-def map_of(environment: str, arguments: dict[str, object]) -> Map | None:
+def map_of(environment: str, arguments: dict[str, Any], root: Path) -> Map | None:
     """The map that the environment publishes by `scene()`; None if it has none or is not there.
 
     A report of a run must be possible where its environment is not installed, so whatever goes
-    wrong while the environment is made leaves the map out.
+    wrong while the environment is made leaves the map out. Own environments are looked for in
+    `root`, the task file's folder.
     """
     import gymnasium
 
     try:
         import tiloilc.tasks  # noqa: F401  registers the bundled environments
 
-        env = gymnasium.make(environment, **arguments)
+        with importable(root):
+            env = gymnasium.make(environment, disable_env_checker=True, **arguments)
     except Exception:  # an environment is anyone's code
         return None
     try:
@@ -66,15 +71,16 @@ def panels(
     paths: Trajectories, drawn: Map, states: Sequence[State], names: Sequence[str]
 ) -> Markup:
     """A grid of pictures: the map, and over it each seed's path in the colours of its states."""
+    drawn = _cropped(drawn, paths)
     pictures = []
     for seed, name in enumerate(names):
-        run = paths.states[seed]
+        run = _lived(paths.states[seed])
         visits = sum(1 for b in run[1:] if states[b].kind == "accepting")
         fell = next((t for t, b in enumerate(run) if states[b].kind == "sink"), None)
         said = f"{visits} visit{'' if visits == 1 else 's'}"
         if fell is not None:
             said += f", sink at step {fell}"
-        points = paths.observations[seed][:, list(drawn.position)].astype(np.float64)
+        points = paths.observations[seed, : len(run)][:, list(drawn.position)].astype(np.float64)
         pictures.append(
             tag(
                 "figure",
@@ -85,17 +91,20 @@ def panels(
     return tag("div", pictures, class_="panels")
 
 
-def timeline(paths: Trajectories, states: Sequence[State], names: Sequence[str]) -> Markup:
+def timeline(
+    paths: Trajectories, states: Sequence[State], names: Sequence[str], width: float
+) -> Markup:
     """The automaton state at each step of one episode a seed, as a row of coloured bars."""
     last = paths.states.shape[1] - 1
-    left, row, width = 74.0, 16.0, 720.0
+    left, row = 60.0, 17.0
     scale = (width - left - 10) / (last + 1)
     body = []
     for seed, name in enumerate(names):
         y = seed * row
         body.append(tag("text", name, class_="tick y", x=left - 8, y=y + 12))
-        for start, stop in _stretches(paths.states[seed]):
-            state = states[paths.states[seed][start]]
+        run = _lived(paths.states[seed])
+        for start, stop in _stretches(run):
+            state = states[run[start]]
             about = tag("title", f"{name}, steps {start}–{stop - 1}: {state.label}")
             body.append(
                 tag(
@@ -193,6 +202,32 @@ def _read(scene: object) -> Map:
         )
     across, up = getattr(scene, "position", (0, 1))
     return Map((x_min, y_min, x_max, y_max), tuple(shapes), (int(across), int(up)))
+
+
+def _lived(run: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """The states up to the end of the episode, which negative ones pad."""
+    over = np.flatnonzero(run < 0)
+    return run[: over[0]] if over.size else run
+
+
+def _cropped(drawn: Map, paths: Trajectories) -> Map:
+    """The part of the map where there is something: its shapes, and all paths."""
+    points = paths.observations[:, :, list(drawn.position)][paths.states >= 0]
+    corners = [points[np.isfinite(points).all(axis=1)]]
+    for shape in drawn.shapes:
+        reach = shape.radius
+        corners.append(np.array([[v - reach for v in shape.low], [v + reach for v in shape.high]]))
+    every = np.concatenate(corners)
+    margin = 0.04 * float(np.ptp(every, axis=0).max())
+    low, high = every.min(axis=0) - margin, every.max(axis=0) + margin
+    x_min, y_min, x_max, y_max = drawn.bounds
+    bounds = (
+        max(x_min, float(low[0])), max(y_min, float(low[1])),
+        min(x_max, float(high[0])), min(y_max, float(high[1])),
+    )  # fmt: skip
+    return (
+        replace(drawn, bounds=bounds) if bounds[0] < bounds[2] and bounds[1] < bounds[3] else drawn
+    )
 
 
 def _stretches(run: npt.NDArray[np.int64]) -> list[tuple[int, int]]:

@@ -52,18 +52,18 @@ def states_of(plan: Plan | None, count: int) -> tuple[State, ...]:
     ldba, stages = plan.ldba, plan.stages
     live = [b for b in ldba.states if b not in ldba.accepting and b != ldba.sink]
     live.sort(key=lambda b: (stages.index[b], b))
-    colors = dict(zip(live, palette(len(live)), strict=True))
+    color = dict(zip(live, palette(len(live)), strict=True))
     for i, b in enumerate(sorted(ldba.accepting)):
-        colors[b] = ACCEPTING[i % len(ACCEPTING)]
+        color[b] = ACCEPTING[i % len(ACCEPTING)]
     if ldba.sink is not None:
-        colors[ldba.sink] = SINK
+        color[ldba.sink] = SINK
     return tuple(
         State(
             b,
             ldba.names[b],
             "sink" if b == ldba.sink else "accepting" if b in ldba.accepting else "live",
             stages.index[b],
-            colors[b],
+            color[b],
         )
         for b in ldba.states
     )

@@ -7,14 +7,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from tiloilc.evaluate import Summary
+from tiloilc.plan.model import Stages
 from tiloilc.report import facts
 from tiloilc.report.charts import short, strip
-from tiloilc.report.markup import Markup, number, tag
+from tiloilc.report.markup import Markup, concat, number, tag
 from tiloilc.report.reading import Floats
 from tiloilc.report.run import Run
 from tiloilc.report.states import State
 
-__all__ = ["comparison", "differences", "pairs", "results", "settings_of", "stages"]
+__all__ = ["absent", "comparison", "differences", "pairs", "results", "settings", "stages"]
 
 
 def results(run: Run) -> Markup:
@@ -57,16 +58,15 @@ def results(run: Run) -> Markup:
 
 def comparison(runs: Sequence[Run], names: Sequence[str]) -> Markup:
     """One row a run; runs of one task share the scale of their dots."""
-    heads = ["Run", "seeds", "steps", "accepting visits", "IQM [95 % CI]", "every seed"]
-    heads += ["optimum", "eventual return", "violations", "90 % of optimum after"]
+    heads = ["Run", "seeds × steps", "accepting visits", "IQM [95 % CI]", "every seed"]
+    heads += ["eventual return", "violations", "90 % of optimum"]
     visits = facts.METRIC_TEXTS[facts.VISITS]
     rows = []
     for i, (run, name) in enumerate(zip(runs, names, strict=True)):
         key = tag("i", class_=f"key run-{i % 8}")
         cells = [tag("th", key, name, scope="row")]
-        cells.append(tag("td", str(len(run.seeds)), class_="num"))
         note = tag("small", "cut short") if run.interrupted else ""
-        cells.append(tag("td", f"{run.end:,}", note, class_="num"))
+        cells.append(tag("td", f"{len(run.seeds)} × {short(run.end)}", note, class_="num"))
         values = facts.greedy(run)
         column = values.get(facts.VISITS)
         over = facts.summary(column)
@@ -77,7 +77,7 @@ def comparison(runs: Sequence[Run], names: Sequence[str]) -> Markup:
             peers = [facts.greedy(r).get(facts.VISITS) for r in runs if r.name == run.name]
             highest = max(float(np.nanmax(p)) for p in peers if p is not None and len(p))
             cells += [
-                tag("td", plus_minus(over, visits), class_="num strong"),
+                tag("td", plus_minus(over, visits), _of_best(over, best), class_="num strong"),
                 tag("td", iqm(over, visits), class_="num"),
                 tag(
                     "td",
@@ -85,23 +85,21 @@ def comparison(runs: Sequence[Run], names: Sequence[str]) -> Markup:
                     class_="dots",
                 ),
             ]
-        cells.append(tag("td", "–" if best is None else number(best), class_="num"))
         for metric in ("eventual_return", "violation_rate"):
             shown = _brief(values.get(metric), facts.METRIC_TEXTS[metric])
             cells.append(tag("td", shown, class_="num"))
         reached = facts.efficiency(run)
         step = None if reached is None else reached[1]
-        shown = "–" if reached is None else "never" if step is None else short(step)
+        shown = (
+            "–" if reached is None else "not reached" if step is None else f"after {short(step)}"
+        )
         cells.append(tag("td", shown, class_="num"))
         rows.append(tag("tr", cells))
     return _table(heads, rows, "results comparison")
 
 
-def stages(run: Run, states: Sequence[State]) -> Markup | None:
-    """The automaton's states with their place in the stage order; None without a plan."""
-    if run.plan is None:
-        return None
-    order = run.plan.stages
+def stages(order: Stages, states: Sequence[State]) -> Markup:
+    """The automaton's states with their place in the stage order."""
     rows = []
     for state in states:
         b = state.number
@@ -120,6 +118,53 @@ def stages(run: Run, states: Sequence[State]) -> Markup | None:
         )  # fmt: skip
     heads = ["State", "what is left to do", "", "stage", "length", "to acceptance"]
     return _table(heads, rows, "stages")
+
+
+def settings(runs: Sequence[Run], names: Sequence[str]) -> Markup:
+    """The task and all settings of the first run whose plan is known; what differs between runs."""
+    body: list[Markup] = []
+    if len(runs) > 1:
+        table = differences(runs, names)
+        body.append(absent("All runs have the same settings.") if table is None else table)
+    known = [run for run in runs if run.plan is not None]
+    if not known:
+        return concat(body, absent("Settings are not known: plan.json is missing."))
+    plan = known[0].plan
+    assert plan is not None
+    rows = [
+        tag(
+            "tr",
+            tag("th", tag("code", p.name), scope="row"),
+            tag("td", tag("code", p.text or p.python)),
+        )
+        for p in plan.predicates
+    ]
+    task = {
+        "environment": plan.environment.id,
+        **{name: str(value) for name, value in plan.environment.kwargs.items()},
+        "horizon": f"{plan.environment.horizon} steps",
+        "demonstrations": _demonstrations(plan.demonstrations.model_dump()),
+        "evaluation": f"{plan.evaluate.episodes} episodes a seed",
+    }
+    head = "Task" if len(runs) == 1 else f"All of {names[runs.index(known[0])]}"
+    body += [
+        tag("h3", head),
+        pairs(task, kind="task"),
+        tag("div", tag("table", tag("tbody", rows), class_="predicates"), class_="wide"),
+        tag("h3", "Training"),
+        pairs(settings_of(known[0]), tuple(known[0].overrides)),
+    ]
+    return concat(body)
+
+
+def _demonstrations(given: dict[str, object]) -> str:
+    source = given.get("source") or given.get("file") or given.get("minari") or ""
+    if not source:
+        return "none"
+    said = f"{given.get('count')} from {source}"
+    if given.get("max_visits"):
+        said += f", each cut after {given['max_visits']} visits"
+    return f"{said}, actions {given.get('actions')}"
 
 
 def settings_of(run: Run) -> dict[str, str]:
@@ -190,11 +235,17 @@ def _brief(values: Floats | None, about: facts.MetricText) -> str:
     return "–" if over is None else plus_minus(over, about)
 
 
+def _of_best(over: Summary, best: float | None) -> str:
+    if best is None or best <= 0:
+        return ""
+    return tag("small", f"{over.mean / best * 100:.0f} % of {number(best)}")
+
+
 def _setting(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.6g}"
+        return f"{value:.4g}"
     if isinstance(value, int):
         return f"{value:,}"
     if isinstance(value, list):
@@ -206,3 +257,8 @@ def _table(heads: Sequence[str], rows: Sequence[Markup], kind: str) -> Markup:
     head = tag("tr", [tag("th", name, scope="col") for name in heads])
     table = tag("table", tag("thead", head), tag("tbody", rows), class_=kind)
     return tag("div", table, class_="wide")
+
+
+def absent(said: str) -> Markup:
+    """In place of what there is nothing of: why."""
+    return tag("p", said, class_="quiet absent")

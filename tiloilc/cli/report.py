@@ -1,0 +1,43 @@
+"""`tiloilc report`: one self-contained HTML page from run folders."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tiloilc.cli.console import Quiet, fail, say
+
+Runs = Annotated[
+    list[Path], typer.Argument(metavar="RUN...", help="Run folders; several are compared.")
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="Where to write [one run: report.html in its folder; several: ./report.html].",
+        show_default=False,
+    ),
+]
+
+
+def command(runs: Runs, output: Out = None, quiet: Quiet = False) -> None:
+    """Write one HTML page of a run, or of several side by side, and print its path.
+
+    Curves with intervals, the automaton, stage occupancy, trajectories, settings and how to
+    reproduce them; the page needs no network.
+    """
+    for run in runs:
+        if not run.is_dir():
+            raise fail(f"no run folder `{run}`")
+    if output is not None and output.is_dir():
+        raise fail(f"`{output}` is a folder; name a file in it")
+
+    from tiloilc.report import write_report
+
+    out = output or (runs[0] / "report.html" if len(runs) == 1 else Path("report.html"))
+    say(f"reading {len(runs)} run{'' if len(runs) == 1 else 's'}", quiet)
+    print(write_report(runs, out))
