@@ -1,5 +1,8 @@
 """Limit-deterministic Büchi automata: from formulas, their words, HOA, pictures."""
 
+from tiloilc.automaton.compare import difference_word, satisfying_word
+from tiloilc.automaton.complement import rejected_word
+from tiloilc.automaton.draw import to_dot, to_mermaid, to_svg
 from tiloilc.automaton.guards import guard_text
 from tiloilc.automaton.hoa import to_hoa
 from tiloilc.automaton.ldba import Cube, Edge, Ldba, Letter, StateId
@@ -18,8 +21,14 @@ __all__ = [
     "StateId",
     "accepted_word",
     "accepts",
+    "difference_word",
     "guard_text",
     "is_empty",
+    "rejected_word",
+    "satisfying_word",
+    "to_dot",
     "to_hoa",
+    "to_mermaid",
+    "to_svg",
     "translate",
 ]

@@ -51,6 +51,11 @@ class _Writer:
         self.diagrams = Diagrams(Budget())
         kept = [q for q in ldba.states if complete or q != ldba.sink or q == ldba.initial]
         self.ldba = ldba if len(kept) == len(ldba.names) else _without_sink(ldba)
+        graph = [
+            [e.target for e in row] + list(targets)
+            for row, targets in zip(self.ldba.outgoing, self.ldba.jump_targets, strict=True)
+        ]
+        self.component = components(graph)
         self.rows = [self._row(q) for q in self.ldba.states]
 
     def _row(self, state: int) -> list[_Line]:
@@ -62,7 +67,8 @@ class _Writer:
                 edge = self.ldba.edges[index]
                 if source != state and edge.target == self.ldba.sink:
                     continue
-                key = (edge.target, index in self.ldba.accepting_edges)
+                inside = self.component[state] == self.component[edge.target]
+                key = (edge.target, inside and index in self.ldba.accepting_edges)
                 guard = as_diagram(self.diagrams, edge.guard)
                 together[key] = self.diagrams.disj(together.get(key, FALSE), guard)
         if len(sources) > 1 and self.ldba.sink is not None:

@@ -48,7 +48,7 @@ def term_of(unfolding: Unfolding, state: Node) -> Term:
 
 def _all(terms: Terms, parts: list[Term]) -> Term:
     """The conjunction of `parts` without those that another one implies."""
-    kept = list(dict.fromkeys(parts))
+    kept = sorted(set(parts))
     for part in list(kept):
         if any(other != part and terms.implies(other, part) for other in kept):
             kept.remove(part)
@@ -57,7 +57,7 @@ def _all(terms: Terms, parts: list[Term]) -> Term:
 
 def _any(terms: Terms, parts: list[Term]) -> Term:
     """The disjunction of `parts` without those that imply another one."""
-    kept = list(dict.fromkeys(parts))
+    kept = sorted(set(parts))
     for part in list(kept):
         if any(other != part and terms.implies(part, other) for other in kept):
             kept.remove(part)
