@@ -380,7 +380,7 @@ RULES: dict[str, Rule] = _rules(
         "PLAN405",
         N,
         "absorbing-acceptance",
-        "acceptance is absorbing: once accepted, nothing more is asked",
+        "acceptance is absorbing: once reached, it only has to be kept",
         "Every accepting state is left only to accepting states. The number of accepting visits "
         "then counts the steps after success, so it says how early the task was done, not how "
         "often.",

@@ -11,6 +11,8 @@ from tiloilc.diag.text import one_line, render_text
 SCHEMA_VERSION = 1
 """Of the JSON format; grows when a key changes its meaning or goes."""
 
+_RANKS = (Severity.ERROR, Severity.WARNING, Severity.NOTE)
+
 
 def render(
     diagnostics: Iterable[Diagnostic],
@@ -38,10 +40,12 @@ def exit_status(diagnostics: Iterable[Diagnostic], deny_warnings: bool = False) 
     return int(gravest in denied)
 
 
-def _order(diagnostic: Diagnostic) -> tuple[tuple[str, int, int, str, str], str, str, int, int]:
-    span = diagnostic.span
+def _order(diagnostic: Diagnostic) -> tuple[str, int, int, int, str, str, str, str, int, int]:
+    """By place; at the same place the graver first, then whatever makes the order total."""
+    d, span = diagnostic, diagnostic.span
+    begin = (span.file, span.line, span.column) if span else ("", 0, 0)
     end = (span.end_line, span.end_column) if span else (0, 0)
-    return (diagnostic.sort_key(), diagnostic.label, diagnostic.help, *end)
+    return (*begin, _RANKS.index(d.severity), d.code, d.message, d.label, d.help, *end)
 
 
 def _concise(diagnostics: Sequence[Diagnostic]) -> str:
