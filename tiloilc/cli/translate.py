@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -49,6 +49,11 @@ class _Job:
     max_states: int | None
     timeout: float | None
 
+    @property
+    def marks(self) -> Literal["state", "edge"]:
+        """Where the acceptance marks go."""
+        return "edge" if self.acceptance is Acceptance.EDGE else "state"
+
     def translate(self, parsed: Parsed) -> Ldba:
         from tiloilc.automaton import translate
         from tiloilc.automaton.limits import MAX_STATES, TIMEOUT
@@ -56,7 +61,7 @@ class _Job:
         return translate(
             parsed.formula,
             parsed.propositions,
-            acceptance="edge" if self.acceptance is Acceptance.EDGE else "state",
+            acceptance=self.marks,
             max_states=self.max_states or MAX_STATES,
             timeout=self.timeout or TIMEOUT,
         )
@@ -113,8 +118,7 @@ def _one(text: str, place: str, format: Format, complete: bool, job: _Job) -> bo
         show(error.diagnostics, text, place)
         return False
     if format is Format.HOA:
-        kind: str = job.acceptance
-        sys.stdout.write(to_hoa(ldba, name=text, complete=complete, acceptance=kind))
+        sys.stdout.write(to_hoa(ldba, name=text, complete=complete, acceptance=job.marks))
     elif format is Format.DOT:
         sys.stdout.write(to_dot(ldba, title=text))
     else:

@@ -498,6 +498,22 @@ RULES: dict[str, Rule] = _rules(
     ),
     # Training
     Rule(
+        "JOB606",
+        E,
+        "too-many-propositions",
+        "training works with at most {limit} propositions, not {count}",
+        "The product of environment and automaton is a table with a column for each set of "
+        "propositions. Translating and inspecting formulas has no such limit.",
+    ),
+    Rule(
+        "JOB607",
+        E,
+        "resets-by-itself",
+        "the batched form of `{id}` resets its episodes by itself",
+        "A vector environment must declare autoreset mode DISABLED in its metadata and take a "
+        "reset mask: the last state of an episode would be lost otherwise.",
+    ),
+    Rule(
         "RUN701",
         E,
         "unreadable-run",
@@ -512,6 +528,35 @@ RULES: dict[str, Rule] = _rules(
         "training diverged at step {step}: {problem}",
         "A loss or weight became infinite or undefined. A smaller learning rate, a larger batch or "
         "the default preset mostly helps.",
+    ),
+    Rule(
+        "RUN703",
+        E,
+        "checkpoint-not-written",
+        "cannot write a checkpoint in `{path}`: {problem}",
+        "The disk is full or not writable. The checkpoint before this one is intact.",
+    ),
+    Rule(
+        "RUN704",
+        E,
+        "other-plan",
+        "the run `{path}` was trained with another plan",
+        "A checkpoint can only be resumed with the plan and settings that it was made with.",
+    ),
+    Rule(
+        "RUN705",
+        E,
+        "not-reproducible",
+        "the environment does not repeat itself, so the run cannot be resumed exactly",
+        "To resume, unfinished episodes are played again from their seeds and actions. This "
+        "environment then arrived in other states than before.",
+    ),
+    Rule(
+        "RUN706",
+        E,
+        "nothing-to-evaluate",
+        "the run `{path}` has no finished policy",
+        "Policies are written when training ends. An interrupted run goes on with --resume.",
     ),
 )
 """All rules by code, in the order of their codes."""

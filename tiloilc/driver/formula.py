@@ -9,7 +9,7 @@ from tiloilc.automaton import is_empty, translate
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import CompileError, Diagnostic, Span
 from tiloilc.ltl import Parsed, propositions_of, subformulas, to_text
-from tiloilc.ltl.ast import Always, And, Eventually, Formula, Next, Not
+from tiloilc.ltl.ast import Always, And, Eventually, Formula, Next, Not, Proposition
 
 TAUTOLOGY_STATES = 500
 TAUTOLOGY_SECONDS = 2.0
@@ -40,7 +40,7 @@ def meaning(parsed: Parsed, ldba: Ldba, span: Span) -> Iterator[Diagnostic]:
     if is_tautology(parsed.formula):
         yield Diagnostic.of("LTL211", span)
     for part in chains(parsed.formula):
-        yield Diagnostic.of("LTL215", span, part=to_text(part))
+        yield Diagnostic.of("LTL215", _place(part, parsed) or span, part=to_text(part))
     if ldba.jumps:
         yield Diagnostic.of("AUT301", span, problem="the agent chooses when to take them")
 
@@ -70,6 +70,23 @@ def chains(formula: Formula) -> Iterator[Formula]:
 def _continues(part: Formula) -> bool:
     """Whether `part` is `XF …`."""
     return isinstance(part, Next) and isinstance(part.operand, Eventually)
+
+
+def _place(part: Formula, parsed: Parsed) -> Span | None:
+    """From the first to the last proposition of `part`, where they stand like this in the text."""
+    names: list[str] = []
+    waiting = [part]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, Proposition):
+            names.append(node.name)
+        waiting.extend(reversed(node.children))
+    written = [name for name, _ in parsed.occurrences]
+    for i in range(len(written) - len(names) + 1):
+        if names and written[i : i + len(names)] == names:
+            first, last = parsed.occurrences[i][1], parsed.occurrences[i + len(names) - 1][1]
+            return replace(first, end_line=last.end_line, end_column=last.end_column)
+    return None
 
 
 def _placed(diagnostic: Diagnostic, span: Span) -> Diagnostic:

@@ -45,6 +45,7 @@ class _Automaton(_Strict):
     states: list[str]
     initial: int
     accepting: list[int]
+    accepting_edges: list[int]
     sink: int | None
     edges: list[_Edge]
     jumps: list[list[int]]
@@ -161,6 +162,7 @@ def automaton_json(ldba: Ldba) -> dict[str, Json]:
         "states": list(ldba.names),
         "initial": ldba.initial,
         "accepting": sorted(ldba.accepting),
+        "accepting_edges": sorted(ldba.accepting_edges),
         "sink": ldba.sink,
         "edges": [
             {"source": e.source, "target": e.target, **_guard(e.guard, names)} for e in ldba.edges
@@ -228,6 +230,8 @@ def _ldba(read: _Automaton, file: str) -> Ldba:
     numbers += [] if read.sink is None else [read.sink]
     if not all(0 <= b < n for b in numbers):
         raise _unreadable(f"the automaton names a state that is not among its {n}", file)
+    if not all(0 <= edge < len(read.edges) for edge in read.accepting_edges):
+        raise _unreadable("the automaton marks an edge that it does not have", file)
     if len(set(read.propositions)) < len(read.propositions):
         raise _unreadable("the automaton names a proposition twice", file)
     cubes = [cube for edge in read.edges for cube in edge.cubes]
@@ -242,6 +246,7 @@ def _ldba(read: _Automaton, file: str) -> Ldba:
             Edge(e.source, e.target, tuple(Cube(*cube) for cube in e.cubes)) for e in read.edges
         ),
         jumps=tuple(_pair(jump, "automaton.jumps", file) for jump in read.jumps),
+        accepting_edges=frozenset(read.accepting_edges),
         initial=read.initial,
     )
     for b in ldba.states:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from tiloilc.automaton import accepted_word, guard_text, rejected_word
+from tiloilc.automaton import accepted_word, guard_text, translate
 from tiloilc.automaton.ldba import Cube, Ldba, StateId
 from tiloilc.ltl import Lasso, nnf, parse, subformulas, to_text
 from tiloilc.ltl.ast import (
     Always,
     Eventually,
     Formula,
+    Not,
     Release,
     StrongRelease,
     Until,
@@ -30,7 +31,7 @@ def explain(plan: Plan) -> str:
         ["Propositions", *_indented(_predicate_lines(plan))],
         ["Stages", *_indented(stage_lines(plan.ldba, plan.stages))],
         ["Discriminators", *_indented(_buffer_lines(plan.ldba, plan.stages))],
-        ["Words", *_indented(_word_lines(plan.ldba))],
+        ["Words", *_indented(_word_lines(formula, plan.ldba))],
     ]
     return "\n\n".join("\n".join(lines) for lines in paragraphs) + "\n"
 
@@ -98,8 +99,10 @@ def _buffers(side: Sequence[Sequence[int]], stages: Stages) -> list[str]:
     return names
 
 
-def _word_lines(ldba: Ldba) -> Iterator[str]:
-    for kind, word in (("accepted", accepted_word(ldba)), ("rejected", rejected_word(ldba))):
+def _word_lines(formula: Formula, ldba: Ldba) -> Iterator[str]:
+    refuting = translate(Not(formula), ldba.propositions)
+    for kind, automaton in (("accepted", ldba), ("rejected", refuting)):
+        word = accepted_word(automaton)
         yield f"{kind}: {'none' if word is None else word_text(word, ldba.propositions)}"
 
 
