@@ -514,6 +514,14 @@ RULES: dict[str, Rule] = _rules(
         "reset mask: the last state of an episode would be lost otherwise.",
     ),
     Rule(
+        "JOB608",
+        E,
+        "unsuitable-spaces",
+        "the {backbone} backbone cannot learn observations {seen} with actions {actions}",
+        "SAC needs a Box of actions; tabular Q-learning needs finitely many observations and "
+        "discrete actions. `train.backbone: auto` picks what fits.",
+    ),
+    Rule(
         "RUN701",
         E,
         "unreadable-run",

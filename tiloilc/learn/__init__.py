@@ -1,1 +1,34 @@
-"""The learn package."""
+"""The only place that knows torch: networks, buffers, targets, agents, the loop, checkpoints."""
+
+from tiloilc.learn.agent import Agent, Policy
+from tiloilc.learn.events import last_events
+from tiloilc.learn.job import Labels, make_agent, make_loop
+from tiloilc.learn.shown import Shown
+from tiloilc.learn.train import (
+    CHECKPOINTS,
+    EVENTS,
+    POLICIES,
+    Metrics,
+    Outcome,
+    Watched,
+    load_policy,
+    train,
+)
+
+__all__ = [
+    "CHECKPOINTS",
+    "EVENTS",
+    "POLICIES",
+    "Agent",
+    "Labels",
+    "Metrics",
+    "Outcome",
+    "Policy",
+    "Shown",
+    "Watched",
+    "last_events",
+    "load_policy",
+    "make_agent",
+    "make_loop",
+    "train",
+]

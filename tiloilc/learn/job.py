@@ -1,0 +1,64 @@
+"""From a plan to a training loop that is ready to begin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import torch
+from gymnasium import spaces
+
+from tiloilc.demos import DemoSet, replay_all
+from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.learn.agent import Agent
+from tiloilc.learn.continuous import SacAgent
+from tiloilc.learn.loop import Loop
+from tiloilc.learn.shown import Shown, show
+from tiloilc.learn.tabular import TabularAgent
+from tiloilc.plan import Plan
+from tiloilc.product import Copies, Floats, Int, Segmenter, Walk, walk_tables
+
+Labels = Callable[[Floats], Int]
+
+
+def make_loop(plan: Plan, demos: DemoSet, labels: Labels) -> Loop:
+    """The training loop of `plan` at step 0, all of it seeded by the plan's first seed."""
+    settings, walk = plan.train, walk_tables(plan.ldba)
+    copies = Copies(plan.environment, settings.seeds)
+    shown = _shown(plan, demos, labels, walk, copies)
+    agent = make_agent(plan, walk, copies, shown)
+    segmenter = Segmenter(
+        walk,
+        plan.stages,
+        copies.count,
+        plan.environment.horizon,
+        copies.dimensions,
+        settings.segment,
+    )
+    return Loop(settings, plan.environment.horizon, walk, copies, labels, agent, segmenter)
+
+
+def make_agent(plan: Plan, walk: Walk, copies: Copies, shown: Shown) -> Agent:
+    """A fresh learner: tabular on finite environments, SAC on others, or as the plan says.
+
+    Raises CompileError JOB608 for spaces that the backbone cannot take.
+    """
+    settings, stages = plan.train, plan.stages
+    generator = torch.Generator().manual_seed(settings.first_seed)
+    seen, actions = copies.observation_space, copies.action_space
+    backbone = settings.backbone
+    if backbone == "auto":
+        backbone = "tabular" if copies.finite else "sac"
+    if backbone == "tabular" and copies.finite and isinstance(actions, spaces.Discrete):
+        return TabularAgent(settings, stages, walk, seen, actions, shown, generator)
+    if backbone == "sac" and isinstance(actions, spaces.Box):
+        return SacAgent(settings, stages, walk, seen, actions, shown, generator)
+    raise CompileError(
+        Diagnostic.of("JOB608", backbone=backbone, seen=str(seen), actions=str(actions))
+    )
+
+
+def _shown(plan: Plan, demos: DemoSet, labels: Labels, walk: Walk, copies: Copies) -> Shown:
+    wanted = plan.demonstrations
+    used = demos.take(wanted.count)
+    cut, replays = replay_all(used, labels, plan.ldba, wanted.max_visits)
+    return show(cut, replays, walk, wanted, copies.dimensions, plan.train.segment)

@@ -1,0 +1,110 @@
+"""Packed replay: one row a transition, one ring a seed, one gather a batch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from tiloilc.learn.state import State
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Transitions of the product; each with leading axes [seed, n].
+
+    `state` is b, before the step; `options` [seed, n, K] are the automaton states that could be
+    chosen on arrival in `next_observation`; `terminal` marks an environment's own end.
+    """
+
+    observation: Tensor
+    action: Tensor
+    next_observation: Tensor
+    state: Tensor
+    options: Tensor
+    terminal: Tensor
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Where the parts of a transition stand in its row."""
+
+    observation: int
+    action: int
+    options: int
+
+    @property
+    def width(self) -> int:
+        """Columns of a row."""
+        return 2 * self.observation + self.action + 2 + self.options
+
+    def pack(
+        self,
+        observation: NDArray[np.float32],
+        action: NDArray[np.float32],
+        after: NDArray[np.float32],
+        state: NDArray[np.int64],
+        options: NDArray[np.int64],
+        terminal: NDArray[np.bool_],
+    ) -> NDArray[np.float32]:
+        """Rows [seed, n, width] of transitions with leading axes [seed, n]."""
+        rows = np.empty((*state.shape, self.width), dtype=np.float32)
+        parts = (observation, action, after, state[..., None], options, terminal[..., None])
+        start = 0
+        for part in parts:
+            rows[..., start : start + part.shape[-1]] = part
+            start += part.shape[-1]
+        return rows
+
+    def unpack(self, rows: Tensor) -> Batch:
+        """The parts of rows [seed, n, width]."""
+        d, m, k = self.observation, self.action, self.options
+        observation, action, after, state, options, terminal = rows.split(
+            [d, m, d, 1, k, 1], dim=-1
+        )
+        return Batch(
+            observation,
+            action,
+            after,
+            state.squeeze(-1).long(),
+            options.long(),
+            terminal.squeeze(-1) > 0,
+        )
+
+
+class Replay:
+    """A ring of `capacity` rows for each seed; all rings are equally full."""
+
+    def __init__(self, seeds: int, capacity: int, width: int) -> None:
+        self.rows = torch.zeros(seeds, capacity, width)
+        self._view = self.rows.numpy()
+        self._starts = torch.arange(seeds)[:, None] * capacity
+        self.written = 0
+
+    def __len__(self) -> int:
+        return min(self.written, self.rows.shape[1])
+
+    def add(self, rows: NDArray[np.float32]) -> None:
+        """Store rows [seed, k, width], over the oldest ones when full."""
+        at = (self.written + np.arange(rows.shape[1])) % self.rows.shape[1]
+        self._view[:, at] = rows
+        self.written += rows.shape[1]
+
+    def sample(self, count: int, generator: torch.Generator) -> Tensor:
+        """Rows [seed, count, width], uniformly with replacement, for each seed on its own."""
+        seeds = self.rows.shape[0]
+        drawn = torch.randint(len(self), (seeds, count), generator=generator) + self._starts
+        flat = self.rows.view(-1, self.rows.shape[2])
+        return flat.index_select(0, drawn.view(-1)).view(seeds, count, -1)
+
+    def state(self) -> State:
+        """The rows that are written."""
+        return {"rows": self.rows[:, : len(self)], "written": torch.tensor(self.written)}
+
+    def load(self, state: State) -> None:
+        """Take what `state` gave."""
+        self.rows[:, : state["rows"].shape[1]] = state["rows"]
+        self.written = int(state["written"])

@@ -1,0 +1,82 @@
+"""Demonstrations as an agent sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tiloilc.demos import DemoSet, Replay
+from tiloilc.product import Floats, Int, Walk
+from tiloilc.spec import Demonstrations
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """Steps of demonstrations through the product, and the states of their segments.
+
+    `observation` and `next_observation` are [n, d], `state` (b before the step) and `letter` (of
+    the next observation) [n], `action` [n, m] in the environment's units if recorded ones may be
+    used; `positive` [k, d] are the states that fill the accepting stage buffers.
+    """
+
+    observation: Floats
+    next_observation: Floats
+    state: Int
+    letter: Int
+    action: Floats | None
+    positive: Floats
+
+
+def show(
+    demos: DemoSet,
+    replays: Sequence[Replay],
+    walk: Walk,
+    settings: Demonstrations,
+    dimensions: int,
+    cut: bool,
+) -> Shown:
+    """What the agent may see of `demos`, given where each went in the automaton.
+
+    With `actions: none` there are no steps, just states: then only the discriminators use them.
+    `cut` says whether segments end at accepting states.
+    """
+    empty = np.zeros((0, dimensions), dtype=np.float32)
+    none = np.zeros(0, dtype=np.int64)
+    positive = [
+        demo.observations[first:last]
+        for demo, replay in zip(demos.episodes, replays, strict=True)
+        for first, last in _segments(walk.accepting[replay.states].tolist(), cut)
+    ]
+    states = np.concatenate([empty, *positive])
+    if settings.actions == "none" or not demos.episodes:
+        return Shown(empty, empty, none, none, None, states)
+    action = None
+    if settings.actions == "recorded":
+        recorded = [np.asarray(demo.actions).reshape(demo.steps, -1) for demo in demos.episodes]
+        action = np.concatenate(recorded).astype(np.float32)
+    return Shown(
+        np.concatenate([demo.observations[:-1] for demo in demos.episodes]),
+        np.concatenate([demo.observations[1:] for demo in demos.episodes]),
+        np.concatenate([replay.states[:-1] for replay in replays]),
+        np.concatenate([replay.letters[1:] for replay in replays]),
+        action,
+        states,
+    )
+
+
+def _segments(accepting: list[bool], cut: bool) -> list[tuple[int, int]]:
+    """The stretches that lead to acceptance; the whole, if there is none (appendix F.3).
+
+    Staying in acceptance is no segment of its own.
+    """
+    if not cut or not any(accepting):
+        return [(0, len(accepting))]
+    found, first = [], 0
+    for t, accepts in enumerate(accepting):
+        if accepts:
+            if first < t or t == 0 or not accepting[t - 1]:
+                found.append((first, t + 1))
+            first = t + 1
+    return found

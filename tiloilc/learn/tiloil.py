@@ -1,0 +1,110 @@
+"""TiLoIL: what a transition is worth (paper, Eq. 4 and 8), for batches of stacked seeds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from tiloilc.plan import Stages
+from tiloilc.product import Walk
+from tiloilc.spec.settings import Settings
+
+
+@dataclass(frozen=True)
+class StageTable:
+    """What the targets need to know of each automaton state, as tensors [states].
+
+    `code[b]` is the state that stands for b in the networks' input: b itself, or, with
+    `accepting_target: segment`, the state that reads every letter as the accepting state b does,
+    since the next segment begins there.
+    """
+
+    index: Tensor
+    length: Tensor
+    accepting: Tensor
+    sink: Tensor
+    code: Tensor
+
+    @classmethod
+    def of(cls, stages: Stages, walk: Walk, settings: Settings) -> StageTable:
+        """The table of one plan."""
+        sink = torch.zeros(walk.states, dtype=torch.bool)
+        if walk.sink >= 0:
+            sink[walk.sink] = True
+        code = list(range(walk.states))
+        if settings.segment and settings.accepting_target == "segment":
+            code = [_reads_as(walk, b) for b in code]
+        return cls(
+            torch.tensor(stages.index, dtype=torch.float32),
+            torch.tensor(stages.length, dtype=torch.float32).clamp(min=1),
+            torch.from_numpy(walk.accepting),
+            sink,
+            torch.tensor(code),
+        )
+
+
+def _reads_as(walk: Walk, state: int) -> int:
+    """The first non-accepting state with the same options as accepting `state`, or itself."""
+    if not walk.accepting[state]:
+        return state
+    alike = (walk.options == walk.options[state]).all(axis=(1, 2)) & ~walk.accepting
+    return int(alike.argmax()) if alike.any() else state
+
+
+def stage_reward(table: StageTable, state: Tensor, bonus: Tensor, settings: Settings) -> Tensor:
+    """Eq. 8 of the current (s, b), `bonus` being tanh f_b(s); all [seed, n].
+
+    A sink pays its own reward: its stage index would be higher than what it deserves.
+    """
+    state = table.code[state]
+    if settings.stages:
+        reward = (table.index[state] + settings.beta * bonus) / table.length[state]
+    else:
+        reward = bonus
+    return torch.where(table.sink[state], settings.sink_reward, reward)
+
+
+def option_values(
+    table: StageTable, options: Tensor, soft_value: Tensor, settings: Settings
+) -> Tensor:
+    """What each option is worth, [seed, n, K], given V(s', b') of each.
+
+    Entering acceptance and sinks has exact values (`exact_entry`): rows of acceptance are rare,
+    their Q is untrained for long.
+    """
+    if not settings.exact_entry:
+        return soft_value
+    most = 1 / (1 - settings.gamma)
+    value = torch.where(table.accepting[options], most, soft_value)
+    return torch.where(table.sink[options], settings.sink_reward * most, value)
+
+
+def tiloil_target(
+    table: StageTable,
+    state: Tensor,
+    reward: Tensor,
+    options: Tensor,
+    soft_value: Tensor,
+    terminal: Tensor,
+    settings: Settings,
+) -> Tensor:
+    """Eq. 4, [seed, n], with the best of the options as next state.
+
+    `state` is b *before* the step: acceptance of b, not of b', counts. `options` and `soft_value`
+    are [seed, n, K]. An environment that has ended (`terminal`) never accepts again.
+    """
+    most = 1 / (1 - settings.gamma)
+    lost = settings.sink_reward * most
+    arrival = option_values(table, options, soft_value, settings).amax(-1)
+    over = terminal & ~table.accepting[options].any(-1)
+    target = reward + settings.gamma * torch.where(over, lost, arrival)
+    if not settings.segment:
+        return target
+    if settings.accepting_target == "constant":
+        return torch.where(table.accepting[state], most, target)
+    after = torch.where(table.accepting[options], soft_value, most)
+    after = torch.where(table.sink[options], lost, after).amax(-1)
+    stays = table.accepting[state] & (table.code[state] == state)
+    return torch.where(stays, 1 + settings.gamma * after, target)

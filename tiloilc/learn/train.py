@@ -1,0 +1,214 @@
+"""One training run in its folder: events, checkpoints, policies; interrupted and resumed."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+from typing import TypeAlias
+
+import torch
+from safetensors.torch import load_file, save
+
+from tiloilc.demos import DemoSet
+from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.learn.agent import Policy
+from tiloilc.learn.best import Best
+from tiloilc.learn.checkpoint import load_checkpoint, replace_file, save_checkpoint
+from tiloilc.learn.events import Events
+from tiloilc.learn.job import Labels, make_loop
+from tiloilc.learn.loop import Loop
+from tiloilc.learn.state import State, under, with_prefix
+from tiloilc.learn.tally import Tally
+from tiloilc.plan import Plan, digest
+
+EVENTS, CHECKPOINTS = "events.jsonl", "checkpoints"
+POLICIES = ("cloning", "best", "last")
+"""The policies a run leaves: after cloning alone, each seed's best by validation, at the end."""
+
+Metrics: TypeAlias = Mapping[str, Sequence[float | None]]
+"""Values by name, one a seed."""
+
+Validate: TypeAlias = Callable[[Policy], Metrics]
+"""Judges the greedy policy of every seed without touching its random generator."""
+
+
+@dataclass(frozen=True, slots=True)
+class Watched:
+    """What a progress display may show after a step; the arrays are the loop's own."""
+
+    step: int
+    steps: int
+    exploring: bool
+    tally: Tally
+    metrics: Metrics | None
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a run ended: at `step` of `steps`, and why an older checkpoint was used, if one was."""
+
+    step: int
+    steps: int
+    problem: str | None
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether steps are left."""
+        return self.step < self.steps
+
+
+def train(
+    plan: Plan,
+    demos: DemoSet,
+    labels: Labels,
+    run: Path,
+    validate: Validate,
+    watch: Callable[[Watched], None],
+    about: Mapping[str, object],
+    resume: bool = False,
+) -> Outcome:
+    """Train `plan` in the folder `run`, or go on with what is there.
+
+    `about` is what the log says of this run beside the plan. On SIGINT or SIGTERM a checkpoint is
+    written and the outcome is interrupted. Killed at any moment, a run goes on from its last
+    checkpoint to the same events and weights as one that was never killed.
+
+    Raises CompileError RUN701 to RUN705.
+    """
+    settings = plan.train
+    loop, best, kept = make_loop(plan, demos, labels), Best(settings.seeds), _Kept({})
+    problem = None
+    keep = 0
+    if resume:
+        state, pointer, problem = load_checkpoint(run / CHECKPOINTS, digest(plan))
+        loop.load(under("loop", state))
+        best.load(under("best", state))
+        kept.cloning = under("cloning", state)
+        keep = pointer.events_bytes
+    last = settings.learning_starts if settings.algorithm == "cloning" else settings.steps
+    with Events(run / EVENTS, keep) as events, _interrupts() as stop:
+        if not resume:
+            events.write("start", 0, **about)
+        save = _Saver(plan, run, loop, best, kept, events)
+        for step in loop.run(last):
+            metrics = None
+            if _is_due(step, last, plan):
+                metrics = _judge(loop, best, kept, validate, events)
+            watch(Watched(step, last, loop.exploring, loop.tally, metrics))
+            if metrics is not None:
+                loop.tally = Tally.empty(settings.seeds, loop.walk.states)
+            if step % settings.checkpoint_every == 0 or stop.set or step >= last:
+                save()
+            if stop.set and step < last:
+                return Outcome(step, last, problem)
+        events.write("end", loop.step)
+    _write_policies(run / CHECKPOINTS, best.policy, loop.agent.policy(), kept.cloning)
+    return Outcome(loop.step, last, problem)
+
+
+def load_policy(run: Path, name: str) -> State | None:
+    """The policy `name` of POLICIES that a finished run left, None if it has none.
+
+    Raises CompileError RUN701 if it cannot be read.
+    """
+    path = run / CHECKPOINTS / f"{name}.safetensors"
+    if not path.is_file():
+        return None
+    try:
+        return load_file(path)
+    except Exception as error:
+        raise CompileError(
+            Diagnostic.of("RUN701", path=run.as_posix(), problem=f"{path.name} is damaged")
+        ) from error
+
+
+@dataclass
+class _Kept:
+    """The policy after cloning alone, once there is one."""
+
+    cloning: State
+
+
+@dataclass
+class _Stop:
+    """Whether somebody asked to stop."""
+
+    set: bool = False
+
+
+@dataclass(frozen=True)
+class _Saver:
+    """Writes a checkpoint of everything."""
+
+    plan: Plan
+    run: Path
+    loop: Loop
+    best: Best
+    kept: _Kept
+    events: Events
+
+    def __call__(self) -> None:
+        state = {
+            **with_prefix("loop", self.loop.state()),
+            **with_prefix("best", self.best.state()),
+            **with_prefix("cloning", self.kept.cloning),
+        }
+        size, own = self.events.size(), digest(self.plan)
+        save_checkpoint(self.run / CHECKPOINTS, state, self.loop.step, size, own)
+
+
+def _is_due(step: int, last: int, plan: Plan) -> bool:
+    """Whether the policy is judged after `step`: regularly, after cloning, at the end."""
+    every = plan.evaluate.every or max(plan.train.steps // 20, 1)
+    cloned = plan.train.warm_start != "none" and step == plan.train.learning_starts
+    return step % every == 0 or cloned or step >= last
+
+
+def _judge(loop: Loop, best: Best, kept: _Kept, validate: Validate, events: Events) -> Metrics:
+    """Validate, log what happened since the last time, and keep what is best."""
+    for name, loss in loop.tally.losses.items():
+        if not torch.isfinite(loss).all():
+            problem = f"the {name} loss is not finite"
+            raise CompileError(Diagnostic.of("RUN702", step=loop.step, problem=problem))
+    metrics = validate(loop.agent)
+    events.write("train", loop.step, **loop.tally.event())
+    events.write("eval", loop.step, greedy=metrics)
+    policy = loop.agent.policy()
+    if loop.step == loop.settings.learning_starts and loop.settings.warm_start != "none":
+        kept.cloning = {name: tensor.clone() for name, tensor in policy.items()}
+    if not loop.exploring:
+        visits, violations = metrics["accepting_visits"], metrics["violation_rate"]
+        best.offer(policy, [v or 0.0 for v in visits], [v or 0.0 for v in violations])
+    return metrics
+
+
+def _write_policies(folder: Path, best: State, last: State, cloning: State) -> None:
+    for name, policy in zip(POLICIES, (cloning, best, last), strict=True):
+        if policy:
+            data = save({k: v.detach().contiguous() for k, v in sorted(policy.items())})
+            replace_file(folder / f"{name}.safetensors", data)
+
+
+@contextmanager
+def _interrupts() -> Iterator[_Stop]:
+    """While this lasts, SIGINT and SIGTERM ask to stop; a second one stops at once."""
+    stop = _Stop()
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        if stop.set:
+            raise KeyboardInterrupt
+        stop.set = True
+
+    try:
+        before = {s: signal.signal(s, ask) for s in (signal.SIGINT, signal.SIGTERM)}
+    except ValueError:  # not the main thread: nobody can interrupt us anyway
+        before = {}
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
