@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from operator import is_
 
 
 class _Node:
@@ -25,9 +26,10 @@ class _Node:
     def __eq__(self, other: object) -> bool:
         if self is other:
             return True
-        if not isinstance(other, _Node) or type(self) is not type(other):
+        if type(self) is not type(other) or hash(self) != hash(other):
             return False
-        return hash(self) == hash(other) and self._parts() == other._parts()
+        assert isinstance(other, _Node)
+        return _equal(self, other)
 
     def __reduce__(self) -> tuple[type, tuple[object, ...]]:
         return type(self), tuple(getattr(self, name) for name in self.__match_args__)
@@ -39,6 +41,28 @@ class _Node:
 
     def _parts(self) -> object:
         raise NotImplementedError
+
+
+def _equal(one: _Node, other: _Node) -> bool:
+    """Structural equality, each pair of parts looked at once: shared parts stay cheap."""
+    operands, others = one.children, other.children
+    if operands and len(operands) == len(others) and all(map(is_, operands, others)):
+        return True
+    seen: set[tuple[int, int]] = set()
+    waiting = [(one, other)]
+    while waiting:
+        left, right = waiting.pop()
+        pair = (id(left), id(right))
+        if left is right or pair in seen:
+            continue
+        seen.add(pair)
+        if type(left) is not type(right) or hash(left) != hash(right):
+            return False
+        operands, others = left.children, right.children
+        if len(operands) != len(others) or (not operands and left._parts() != right._parts()):
+            return False
+        waiting.extend(zip(operands, others, strict=True))
+    return True
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -238,8 +238,10 @@ class _Words:
             return cuts[-1]
 
         def likeness(cut: int) -> float:
-            rest = word[cut:]
-            best = max(SequenceMatcher(None, rest, name).ratio() for name in self.declared or ())
+            rest = word[cut:].casefold()
+            best = max(
+                SequenceMatcher(None, rest, name.casefold()).ratio() for name in self.declared or ()
+            )
             return best if best >= _ALIKE else 0.0
 
         return max(reversed(cuts), key=likeness)

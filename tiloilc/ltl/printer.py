@@ -45,6 +45,7 @@ INFIX: dict[type[Formula], tuple[str, int, int, int]] = {
 def to_text(formula: Formula, *, brackets: bool = False) -> str:
     """`formula` as text that reads back as the same formula, in Spot's syntax.
 
+    Brackets stand where they are needed, and where operators of one level are mixed.
     With `brackets` every operand of a binary operator that is not a single name has them, so that
     nothing is left to precedence.
     """
@@ -68,7 +69,9 @@ def _text(part: Formula, operands: list[tuple[str, int]], brackets: bool) -> tup
         first = rest = ATOM
     assert len(operands) > 1, "a conjunction or disjunction has two or more operands"
     texts = [_bracketed(*operands[0], first)]
-    texts += [_bracketed(text, own, rest) for text, own in operands[1:]]
+    for child, (text, own) in zip(part.children[1:], operands[1:], strict=True):
+        mixed = own == level and type(child) is not type(part)
+        texts.append(_bracketed(text, own, level + 1 if mixed else rest))
     return f" {sign} ".join(texts), level
 
 
