@@ -77,18 +77,50 @@ def test_json_has_the_keys_of_the_contract() -> None:
     }
 
 
+def test_github_annotates_the_line() -> None:
+    assert render([CONTRACT], "github", SOURCES) == (
+        "::error file=specs/fetch_align.yaml,line=14,endLine=14,col=31,endColumn=33,title=LTL203::"
+        "unknown proposition `cc`%0Ahelp: did you mean `c`? declared: a, b, c\n"
+    )
+    odd = Diagnostic.of("LTL203", Span("a,b:c%.yaml", 1, 1, 2, 1), name="100%\n")
+    assert render([odd], "github", {}) == (
+        "::error file=a%2Cb%3Ac%25.yaml,line=1,endLine=2,title=LTL203::"
+        "unknown proposition `100%25\\n`\n"
+    )
+    assert render([Diagnostic.of("LTL215", part="x")], "github", {}).startswith("::notice title=")
+
+
+def test_sarif_names_rules_results_and_places() -> None:
+    document = json.loads(render([CONTRACT, Diagnostic.of("LTL210")], "sarif", SOURCES))
+    (run,) = document["runs"]
+    assert document["version"] == "2.1.0"
+    assert [rule["id"] for rule in run["tool"]["driver"]["rules"]] == ["LTL203", "LTL210"]
+    bare, placed = run["results"]
+    assert "locations" not in bare
+    assert (placed["ruleId"], placed["ruleIndex"], placed["level"]) == ("LTL203", 0, "error")
+    location = placed["locations"][0]["physicalLocation"]
+    assert location["artifactLocation"]["uri"] == FILE
+    assert location["region"] == {
+        "startLine": 14,
+        "startColumn": 31,
+        "endLine": 14,
+        "endColumn": 33,
+    }
+
+
 def test_findings_are_sorted_by_place_whatever_their_order() -> None:
     text = "one two three\nfour\n"
     pieces = [found(text, piece) for piece in ("four", "three", "one", "two", "one")]
     for format in FORMATS:
         assert render(pieces, format, {"f": text}) == render(pieces[::-1], format, {"f": text})
-    lines = render(pieces, "concise", {}).splitlines()
-    assert [line.split(":")[1:3] for line in lines] == [
-        ["1", "1"],
-        ["1", "5"],
-        ["1", "9"],
-        ["2", "1"],
-    ]
+    places = [line.split(":")[1:3] for line in render(pieces, "concise", {}).splitlines()]
+    assert places == [["1", "1"], ["1", "5"], ["1", "9"], ["2", "1"]]
+
+
+def test_at_one_place_the_graver_finding_comes_first() -> None:
+    span = Span("f", 1, 1, 1, 2)
+    note, error = Diagnostic.of("AUT301", span, problem="x"), Diagnostic.of("LTL210", span)
+    assert render([note, error], "concise", {}).index("LTL210") == len("f:1:1: error[")
 
 
 def test_carets_stand_right_after_a_tab() -> None:

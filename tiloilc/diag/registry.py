@@ -500,7 +500,7 @@ RULES: dict[str, Rule] = _rules(
     Rule(
         "JOB606",
         E,
-        "too-many-propositions",
+        "propositions-in-training",
         "training works with at most {limit} propositions, not {count}",
         "The product of environment and automaton is a table with a column for each set of "
         "propositions. Translating and inspecting formulas has no such limit.",

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from tiloilc.diag.core import Diagnostic, Severity, worst
+from tiloilc.diag.services import render_github, render_sarif
 from tiloilc.diag.text import one_line, render_text
 
 SCHEMA_VERSION = 1
@@ -24,8 +25,8 @@ def render(
     """All findings, sorted by place, without repetitions, in one of FORMATS.
 
     `sources` is the text of each file that spans name; a file that is not in it is named without
-    an excerpt. `colour` matters to `text` only. No finding gives an empty string, or an empty list
-    in JSON.
+    an excerpt. `colour` matters to `text` only. No finding gives an empty string, or a document
+    with none.
     """
     ordered = sorted(dict.fromkeys(diagnostics), key=_order)
     if format == "text":
@@ -80,6 +81,8 @@ def _json(diagnostics: Sequence[Diagnostic]) -> str:
 _RENDERERS: Mapping[str, Callable[[Sequence[Diagnostic]], str]] = {
     "concise": _concise,
     "json": _json,
+    "sarif": render_sarif,
+    "github": render_github,
 }
 
 FORMATS: tuple[str, ...] = ("text", *_RENDERERS)

@@ -26,8 +26,9 @@ from tiloilc.label.functions import (
     NUMBER,
     TRUTH,
     Array,
-    Function,
     Kind,
+    Misfit,
+    common_kind,
     describe,
     fit,
 )
@@ -252,9 +253,12 @@ class Checker:
         kinds = [argument.kind for argument in arguments if argument.kind is not None]
         if len(kinds) < len(arguments):
             return WRONG
-        kind = self._arguments_fit(name, function, kinds, trees)
-        if kind is None:
-            return WRONG
+        kind = common_kind(name, function, kinds)
+        if isinstance(kind, Misfit):
+            position, problem = kind.position, kind.problem
+            return self._wrong(
+                "SPEC112", trees[position], problem=problem, label=describe(kinds[position])
+            )
         runs, apply = [argument.run for argument in arguments], function.run
         result = kind if function.result is None else function.result
         if name in ("min", "max") and len(runs) == 1:
@@ -262,37 +266,6 @@ class Checker:
         return Expression(
             result, lambda observations: apply([part(observations) for part in runs], kinds)
         )
-
-    def _arguments_fit(
-        self, name: str, function: Function, kinds: list[Kind], trees: list[Tree[Token]]
-    ) -> Kind | None:
-        """The common size of the arguments; None, with a finding, if they have none."""
-        for position in function.numbers:
-            if kinds[position] != NUMBER:
-                problem = f"`{name}` needs a number here, not {describe(kinds[position])}"
-                self._wrong("SPEC112", trees[position], problem=problem)
-                return None
-        kind = kinds[0]
-        for position in range(1, len(kinds)):
-            strict = position in function.same
-            if strict and kinds[position] != kinds[0]:
-                self._wrong(
-                    "SPEC112",
-                    trees[position],
-                    problem=f"`{name}` needs two of the same size, "
-                    f"not {describe(kinds[0])} and {describe(kinds[position])}",
-                    label=describe(kinds[position]),
-                )
-                return None
-            bounded = name == "in_box" and kinds[position] > kinds[0]
-            common = None if bounded else self._common(kind, kinds[position], trees[position])
-            if bounded:
-                problem = f"`{name}` tests {describe(kinds[0])} against {describe(kinds[position])}"
-                self._wrong("SPEC112", trees[position], problem=problem)
-            if common is None:
-                return None
-            kind = kind if position in function.numbers else common
-        return kind
 
     def _common(self, left: Kind, right: Kind, right_node: Tree[Token]) -> Kind | None:
         """Numbers go with everything, vectors with vectors of their size."""

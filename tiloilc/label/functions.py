@@ -44,8 +44,9 @@ def as_vector(array: Array, kind: Kind) -> Array:
 class Function:
     """One function. `most` None: any number of arguments.
 
-    `same` are the arguments that must have the size of the first; among all others and the result
-    `fit` broadcasts numbers. `result` is the kind of the value, None: that of the arguments.
+    `same` are the arguments that must have the size of the first, `bounds` those that may also be
+    a number, `numbers` those that must be one; all others go together if each is a number or a
+    vector of one size. `result` is the kind of the value, None: that of the arguments.
     """
 
     least: int
@@ -53,6 +54,7 @@ class Function:
     run: Callable[[Sequence[Array], Sequence[Kind]], Array]
     result: Kind | None = None
     same: tuple[int, ...] = ()
+    bounds: tuple[int, ...] = ()
     numbers: tuple[int, ...] = ()
 
     @property
@@ -61,6 +63,35 @@ class Function:
         if self.most is None:
             return f"at least {self.least} argument{'s' * (self.least > 1)}"
         return f"{self.least} argument{'s' * (self.least > 1)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """The argument that does not go with the others, and why."""
+
+    position: int
+    problem: str
+
+
+def common_kind(name: str, function: Function, kinds: Sequence[Kind]) -> Kind | Misfit:
+    """The size of the arguments together: numbers go with everything, unless they must not."""
+    common = kinds[0]
+    for position, kind in enumerate(kinds):
+        if position in function.numbers:
+            if kind != NUMBER:
+                return Misfit(position, f"`{name}` needs a number here, not {describe(kind)}")
+            continue
+        if position in function.same and kind != kinds[0]:
+            pair = f"{describe(kinds[0])} and {describe(kind)}"
+            return Misfit(position, f"`{name}` needs two of the same size, not {pair}")
+        if position in function.bounds and kind not in (NUMBER, kinds[0]):
+            pair = f"{describe(kinds[0])} against {describe(kind)}"
+            return Misfit(position, f"`{name}` tests {pair}")
+        if kind != common and NUMBER not in (kind, common):
+            pair = f"{describe(common)} and {describe(kind)}"
+            return Misfit(position, f"{pair} do not fit together")
+        common = max(common, kind)
+    return common
 
 
 def _each(operation: Callable[[Array], Array]) -> Function:
@@ -137,7 +168,7 @@ FUNCTIONS = MappingProxyType(
         "dot": Function(2, 2, _dot, result=NUMBER, same=(1,)),
         "dist": Function(2, 2, _dist, result=NUMBER, same=(1,)),
         "wrap": _each(wrap),
-        "in_box": Function(3, 3, _in_box, result=TRUTH),
+        "in_box": Function(3, 3, _in_box, result=TRUTH, bounds=(1, 2)),
         "in_ball": Function(3, 3, _in_ball, result=TRUTH, same=(1,), numbers=(2,)),
     }
 )
