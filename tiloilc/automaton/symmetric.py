@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from tiloilc.automaton.bdd import FALSE, Node
+from tiloilc.automaton.bdd import FALSE, TRUE, Node
 from tiloilc.automaton.breakpoint import Breakpoints, Goals, Serving
 from tiloilc.automaton.terms import GREATEST, LEAST, NO, YES, Term, Terms
 from tiloilc.automaton.unfolding import Unfolding
@@ -75,13 +75,11 @@ class Symmetric:
         """The deterministic states that `state` may become."""
         targets: dict[Serving, None] = {}
         for guess in self._guesses(state.rest):
-            target = self._checking(state, guess)
-            if target is not None:
-                targets.setdefault(target)
+            targets.update(dict.fromkeys(self._checking(state, guess)))
         return list(targets)
 
-    def _checking(self, state: Waiting, guess: Guess) -> Serving | None:
-        """The state that checks the guess from now on."""
+    def _checking(self, state: Waiting, guess: Guess) -> list[Serving]:
+        """The states that check the guess from now on, of which one must be chosen."""
         terms, unfolding = self.terms, self.unfolding
         rest = unfolding.rewrite(state.rest, guess.weaken_top)
         for term in guess.always():
@@ -89,9 +87,32 @@ class Symmetric:
             rest = unfolding.diagrams.conj(rest, kept)
         goals = [guess.goal(term) for term in guess.again()]
         if rest == FALSE or NO in goals:
-            return None
+            return []
         wanted = [goal for goal in goals if goal != YES]
-        return self.breakpoints.start(rest, tuple(dict.fromkeys([*state.goals, *wanted])))
+        together = tuple(dict.fromkeys([*state.goals, *wanted]))
+        return [self.breakpoints.start(part, together) for part in self._alternatives(rest)]
+
+    def _alternatives(self, rest: Node) -> list[Node]:
+        """`rest` as alternatives that a jump may choose from: one of `G a | G b` each.
+
+        Only where each is what some formulas say that, once true, stay true. Which of them become
+        true is settled in the long run, so that nobody has to guess what chance decides later.
+        """
+        unfolding, diagrams = self.unfolding, self.unfolding.diagrams
+        lower = [v for v in sorted(diagrams.support(rest)) if v >= unfolding.letters]
+        lasting = {v for v in lower if self.terms.universal[unfolding.term(v)]}
+        chosen = {frozenset(v for v, _ in cube if v in lasting) for cube in diagrams.cover(rest)}
+        largest = [kept for kept in chosen if not any(kept < other for other in chosen)]
+        parts = []
+        for kept in sorted(largest, key=sorted):
+            part = diagrams.assign(rest, dict.fromkeys(lasting - kept, False))
+            said = TRUE
+            for v in sorted(kept):
+                said = diagrams.conj(said, unfolding.unfold(unfolding.term(v)))
+            if not diagrams.implies(said, part):
+                return [rest]
+            parts.append(part)
+        return parts
 
     def _guesses(self, rest: Node) -> Iterator[Guess]:
         """All complete guesses for `rest`, each made only as far as it matters."""
