@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from operator import is_
 
 
 class _Node:
@@ -44,24 +43,27 @@ class _Node:
 
 
 def _equal(one: _Node, other: _Node) -> bool:
-    """Structural equality, each pair of parts looked at once: shared parts stay cheap."""
-    operands, others = one.children, other.children
-    if operands and len(operands) == len(others) and all(map(is_, operands, others)):
-        return True
+    """Structural equality of formulas of one kind, without recursion.
+
+    Each pair of parts is looked at once, so that formulas with many shared parts stay cheap.
+    """
     seen: set[tuple[int, int]] = set()
     waiting = [(one, other)]
     while waiting:
         left, right = waiting.pop()
-        pair = (id(left), id(right))
-        if left is right or pair in seen:
-            continue
-        seen.add(pair)
-        if type(left) is not type(right) or hash(left) != hash(right):
-            return False
         operands, others = left.children, right.children
         if len(operands) != len(others) or (not operands and left._parts() != right._parts()):
             return False
-        waiting.extend(zip(operands, others, strict=True))
+        for pair in zip(operands, others, strict=True):
+            left, right = pair
+            if left is right:
+                continue
+            if type(left) is not type(right) or hash(left) != hash(right):
+                return False
+            known = (id(left), id(right))
+            if known not in seen:
+                seen.add(known)
+                waiting.append(pair)
     return True
 
 
