@@ -27,9 +27,9 @@ class Tally:
     @classmethod
     def empty(cls, seeds: int, states: int) -> Tally:
         """Nothing has happened."""
-        counts = [np.zeros(seeds, dtype=np.int64) for _ in range(3)]
+        none = np.zeros(seeds, dtype=np.int64)
         occupancy = np.zeros((seeds, states), dtype=np.int64)
-        return cls(*counts, occupancy, np.zeros(1, dtype=np.int64), {})
+        return cls(none, none.copy(), none.copy(), occupancy, np.zeros(1, dtype=np.int64), {})
 
     def add_losses(self, losses: dict[str, Tensor]) -> None:
         """Add one update's losses [seed]."""
@@ -56,7 +56,8 @@ class Tally:
     @classmethod
     def of(cls, state: State) -> Tally:
         """The tally that gave `state`."""
-        return cls(*(state[name].numpy() for name in _COUNTS), under("losses", state))
+        counts = {name: state[name].numpy() for name in _COUNTS}
+        return cls(**counts, losses=under("losses", state))
 
 
 _COUNTS = ("episodes", "visits", "violations", "occupancy", "updates")

@@ -96,13 +96,18 @@ class Settings(Model):
         preset = PRESETS.get(str(given.get("preset")), DEFAULT)
         return {**preset, **given}
 
+    def overrides(self) -> dict[str, object]:
+        """The settings that differ from their preset's."""
+        preset = PRESETS[self.preset]
+        dumped = self.model_dump()
+        return {k: v for k, v in dumped.items() if k in preset and preset[k] != v}
+
     def override(self, changes: Mapping[str, object]) -> Settings:
         """These settings with `changes`; another preset replaces what was not set apart from it.
 
         Raises pydantic.ValidationError for names and values that no setting takes.
         """
-        preset = PRESETS[self.preset]
-        given = {k: v for k, v in self.model_dump().items() if k not in preset or preset[k] != v}
+        given = {"steps": self.steps, "preset": self.preset, **self.overrides()}
         return Settings.model_validate({**given, **changes})
 
 

@@ -1,0 +1,225 @@
+"""What train, eval and run share: a plan with its inputs, run folders, changed settings."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import shutil
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tiloilc.cli.console import fail, say
+
+if TYPE_CHECKING:
+    from tiloilc.demos import DemoSet
+    from tiloilc.label import Labeller
+    from tiloilc.plan import Plan
+    from tiloilc.spec.settings import Settings
+
+RUNS = Path("runs")
+TIMING = "timing.json"
+COPIED = ("demos.npz", "demos.json", "automaton.svg", "automaton.hoa")
+"""What a run takes along from the build folder, so that it stands on its own."""
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A plan that can be run: with its demonstrations and its propositions as a function."""
+
+    plan: Plan
+    demos: DemoSet
+    labels: Labeller
+    folder: Path
+
+
+@contextmanager
+def open_job(folder: Path, changes: Mapping[str, object] | None = None) -> Iterator[Job]:
+    """The job of a build or run folder, with changed settings.
+
+    While this lasts, modules beside the task file can be imported.
+    """
+    from tiloilc.demos import DemoSet, load
+    from tiloilc.driver import labeller, load_plan, plan_file
+    from tiloilc.plan import importable
+
+    if not plan_file(folder).is_file():
+        raise fail(f"no plan in `{folder.as_posix()}`; compile a task file first")
+    plan = load_plan(folder)
+    if changes:
+        plan = dataclasses.replace(plan, train=_changed(plan, changes))
+    where = plan_file(folder).parent
+    file = where / "demos.npz"
+    with importable(plan.root):
+        demos = load(file) if file.is_file() else DemoSet(())
+        yield Job(plan, demos, labeller(plan), where)
+
+
+def settings_given(pairs: Sequence[str], steps: str | None, seeds: int | None) -> dict[str, object]:
+    """The settings of the command line: `--set K=V` and the two that have options of their own."""
+    changes: dict[str, object] = {}
+    for pair in pairs:
+        name, equals, value = pair.partition("=")
+        if not equals:
+            raise fail(f"--set needs NAME=VALUE, not `{pair}`")
+        changes[name.strip()] = _value(value.strip())
+    if steps is not None:
+        changes["steps"] = steps
+    if seeds is not None:
+        changes["seeds"] = seeds
+    return changes
+
+
+def _value(text: str) -> object:
+    """What a value means in YAML: lists, booleans, numbers; else the text itself."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
+
+
+def _changed(plan: Plan, changes: Mapping[str, object]) -> Settings:
+    from pydantic import ValidationError
+
+    from tiloilc.diag import did_you_mean
+    from tiloilc.spec.settings import Settings
+
+    for name in changes:
+        if name not in Settings.model_fields:
+            hint = did_you_mean(name, sorted(Settings.model_fields))
+            raise fail(f"no setting `{name}`" + (f"; {hint}" if hint else ""))
+    try:
+        return plan.train.override(changes)
+    except ValidationError as error:
+        first = error.errors()[0]
+        name = ".".join(map(str, first["loc"])) or "settings"
+        raise fail(f"setting `{name}`: {first['msg'].lower()}") from None
+
+
+def new_run(job: Job, runs: Path) -> Path:
+    """A fresh run folder `runs/<name>/<number>` that holds the plan and its inputs."""
+    from tiloilc.driver import write_plan
+
+    parent = runs / job.plan.name
+    parent.mkdir(parents=True, exist_ok=True)
+    number = max((int(p.name) for p in parent.iterdir() if p.name.isdigit()), default=0)
+    while True:
+        number += 1
+        run = parent / f"{number:04d}"
+        try:
+            run.mkdir()
+            break
+        except FileExistsError:
+            continue
+    for name in COPIED:
+        if (job.folder / name).is_file():
+            shutil.copyfile(job.folder / name, run / name)
+    write_plan(job.plan, run / "plan.json")
+    return run
+
+
+def run_to_resume(folder: Path, job: Job, runs: Path) -> Path:
+    """The run that `--resume` means: the folder itself if it is one, else this plan's newest."""
+    from tiloilc.driver import read_plan
+    from tiloilc.plan import digest
+
+    if (folder / "events.jsonl").is_file():
+        return folder
+    parent = runs / job.plan.name
+    wanted = digest(job.plan)
+    found = sorted(p.parent for p in parent.glob("[0-9]*/plan.json")) if parent.is_dir() else []
+    for run in reversed(found):
+        if digest(read_plan(run)) == wanted:
+            return run
+    raise fail(f"no run of this plan in `{parent.as_posix()}` to go on with")
+
+
+def train_job(job: Job, run: Path, resume: bool, quiet: bool) -> float:
+    """Train in `run`, with progress on standard error; the seconds spent in all.
+
+    Raises Exit 130 when interrupted, after saying how to go on.
+    """
+    import typer
+
+    from tiloilc.cli.progress import Progress
+    from tiloilc.evaluate.protocol import Validator, versions
+    from tiloilc.learn import train
+    from tiloilc.plan import digest
+
+    one_thread()
+    settings = job.plan.train
+    about = {
+        "name": job.plan.name,
+        "plan_digest": digest(job.plan),
+        "algorithm": settings.algorithm,
+        "preset": settings.preset,
+        "seeds": list(range(settings.first_seed, settings.first_seed + settings.seeds)),
+        "overrides": settings.overrides(),
+        "versions": versions(),
+    }
+    validator = Validator(job.plan, job.labels)
+    began = time.monotonic()
+    with Progress(job.plan, quiet) as progress:
+        outcome = train(
+            job.plan, job.demos, job.labels, run, validator, progress.watch, about, resume
+        )
+    seconds = _spent(run) + time.monotonic() - began
+    _write_json(run / TIMING, {"seconds": round(seconds, 3)})
+    if outcome.problem is not None:
+        say(f"went on from the checkpoint before the last: {outcome.problem}", quiet)
+    if outcome.interrupted:
+        say(f"interrupted at step {outcome.step} of {outcome.steps}; go on with:")
+        say(f"  tiloilc train {run.as_posix()} --resume")
+        raise typer.Exit(130)
+    return seconds
+
+
+def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]:
+    """Evaluate a finished run by the protocol; writes `eval.json` and trajectories, returns it."""
+    import io
+
+    import numpy as np
+
+    from tiloilc.driver import write_file
+    from tiloilc.evaluate import protocol
+
+    one_thread()
+    about = {
+        "overrides": job.plan.train.overrides(),
+        "wall_seconds": _spent(run),
+        "machine": protocol.machine(),
+        "versions": protocol.versions(),
+        "git_commit": protocol.git_commit(Path(job.plan.root)),
+    }
+    evaluation, trajectories = protocol.evaluate_run(
+        job.plan, job.demos, job.labels, run, episodes or job.plan.evaluate.episodes, about
+    )
+    if trajectories:
+        buffer = io.BytesIO()
+        np.savez_compressed(buffer, allow_pickle=False, **trajectories)
+        write_file(run / protocol.TRAJECTORIES, buffer.getvalue())
+    write_file(run / protocol.EVAL, protocol.dump(evaluation))
+    return evaluation
+
+
+def one_thread() -> None:
+    """Many small products run fastest on one thread, and always give the same sums."""
+    import torch
+
+    torch.set_num_threads(1)
+
+
+def _spent(run: Path) -> float:
+    try:
+        return float(json.loads((run / TIMING).read_text(encoding="utf-8"))["seconds"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return 0.0
+
+
+def _write_json(path: Path, value: Mapping[str, object]) -> None:
+    from tiloilc.driver import write_file
+
+    write_file(path, json.dumps(value) + "\n")

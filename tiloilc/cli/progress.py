@@ -1,0 +1,96 @@
+"""Training as one line that moves, or as a line now and then where nothing can move."""
+
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from tiloilc.cli.console import coloured
+
+if TYPE_CHECKING:
+    from tiloilc.learn import Metrics, Watched
+    from tiloilc.plan import Plan
+
+BLOCKS = " ▁▂▃▄▅▆▇█"
+REDRAW = 0.2
+"""Seconds between two states of the moving line."""
+
+
+class Progress:
+    """Writes to standard error: a bar with stages, visits, violations, speed and time left."""
+
+    def __init__(self, plan: Plan, quiet: bool) -> None:
+        self.quiet = quiet
+        self.moves = not quiet and sys.stderr.isatty() and coloured(sys.stderr)
+        self.live = [b for b in plan.ldba.states if b != plan.ldba.sink]
+        self.began = self.drawn = time.monotonic()
+        self.first: int | None = None
+        self.width = 0
+
+    def watch(self, seen: Watched) -> None:
+        """Show where training is."""
+        now = time.monotonic()
+        if self.first is None:
+            self.first = seen.step
+        if self.quiet:
+            return
+        if seen.metrics is not None:
+            self._print(self._judged(seen, seen.metrics), keep=True)
+        elif self.moves and now - self.drawn >= REDRAW:
+            self._print(self._bar(seen, now), keep=False)
+            self.drawn = now
+
+    def _judged(self, seen: Watched, metrics: Metrics) -> str:
+        visits = [v for v in metrics["accepting_visits"] if v is not None]
+        violations = [v for v in metrics["violation_rate"] if v is not None]
+        mean, worst = sum(visits) / len(visits), min(visits)
+        return (
+            f"{seen.step:>8,} steps  greedy visits {mean:6.2f} (worst seed {worst:.2f})"
+            f"  violations {sum(violations) / len(violations):4.0%}"
+            f"  stages {self._stages(seen)}  {self._speed(seen)}"
+        )
+
+    def _bar(self, seen: Watched, now: float) -> str:
+        done = round(24 * seen.step / seen.steps)
+        tally = seen.tally
+        episodes = max(int(tally.episodes.sum()), 1)
+        what = "exploring" if seen.exploring else "learning"
+        return (
+            f"{what:>9} [{'━' * done}{' ' * (24 - done)}] {seen.step:,}/{seen.steps:,}"
+            f"  visits/episode {tally.visits.sum() / episodes:.2f}"
+            f"  violations {tally.violations.sum() / episodes:.0%}"
+            f"  stages {self._stages(seen)}  {self._speed(seen)}"
+        )
+
+    def _stages(self, seen: Watched) -> str:
+        """How much time is spent in each live automaton state, as a small histogram."""
+        counts = seen.tally.occupancy.sum(0)[self.live]
+        most = max(int(counts.max()), 1)
+        return "".join(BLOCKS[round(8 * int(c) / most)] for c in counts)
+
+    def _speed(self, seen: Watched) -> str:
+        seconds = max(time.monotonic() - self.began, 1e-3)
+        speed = max((seen.step - (self.first or 0)) / seconds, 1e-9)
+        left = (seen.steps - seen.step) / speed
+        return f"{speed:,.0f} steps/s  {int(left // 60)}:{int(left % 60):02d} left"
+
+    def _print(self, line: str, keep: bool) -> None:
+        """Write over the moving line, if there is one."""
+        start = "\r" + " " * self.width + "\r" if self.width else ""
+        sys.stderr.write(start + line + ("\n" if keep else ""))
+        sys.stderr.flush()
+        self.width = 0 if keep else len(line)
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        if self.width:
+            self._print("", keep=True)

@@ -1,0 +1,56 @@
+"""`tiloilc run`: from a task file to a report, in one go."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tiloilc.cli.console import Quiet, report, say
+from tiloilc.cli.jobs import (
+    RUNS,
+    evaluate_job,
+    new_run,
+    open_job,
+    run_to_resume,
+    settings_given,
+    train_job,
+)
+from tiloilc.cli.train import Resume, Runs, Seeds, Set, Steps
+from tiloilc.cli.verdict import verdict
+
+
+def command(
+    spec: Annotated[
+        Path, typer.Argument(metavar="SPEC", help="The task file.", exists=True, dir_okay=False)
+    ],
+    steps: Steps = None,
+    seeds: Seeds = None,
+    changes: Set = None,
+    resume: Resume = False,
+    runs: Runs = RUNS,
+    quiet: Quiet = False,
+) -> None:
+    """Compile a task file, train its agents, evaluate them and write the report.
+
+    Prints what the policies achieve beside the optimum, and where the report is.
+    """
+    from tiloilc.driver import compile_spec, write_build
+    from tiloilc.report import write_report
+
+    result = compile_spec(spec)
+    if not quiet:
+        report(result.diagnostics)
+    build = Path("build") / result.plan.name
+    write_build(result, build)
+    say(f"compiled to {build.as_posix()}", quiet)
+    with open_job(build, settings_given(changes or [], steps, seeds)) as job:
+        run = run_to_resume(build, job, runs) if resume else new_run(job, runs)
+        say(f"training {job.plan.name}: {job.plan.train.seeds} seeds in {run.as_posix()}", quiet)
+        seconds = train_job(job, run, resume, quiet)
+        say(f"trained in {seconds:.0f} s; evaluating", quiet)
+        evaluation = evaluate_job(job, run, None)
+        page = write_report([run], run / "report.html")
+    print(verdict(evaluation))
+    print(f"report: {page.as_posix()}")

@@ -1,0 +1,44 @@
+"""`tiloilc train`: a plan to a run folder with trained policies."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tiloilc.cli.console import Quiet, say
+from tiloilc.cli.jobs import RUNS, new_run, open_job, run_to_resume, settings_given, train_job
+
+Steps = Annotated[
+    str | None, typer.Option("--steps", help="Environment steps per seed, instead of the plan's.")
+]
+Seeds = Annotated[int | None, typer.Option("--seeds", min=1, help="Agents, instead of the plan's.")]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="Change a setting; may be repeated."),
+]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with an unfinished run.")]
+Runs = Annotated[Path, typer.Option("--runs", help="Where run folders are.")]
+
+
+def command(
+    plan: Annotated[
+        Path, typer.Argument(metavar="PLAN", help="A build folder, a plan, or a run.", exists=True)
+    ],
+    steps: Steps = None,
+    seeds: Seeds = None,
+    changes: Set = None,
+    resume: Resume = False,
+    runs: Runs = RUNS,
+    quiet: Quiet = False,
+) -> None:
+    """Train the agents of a compiled plan, all seeds at once, and print the run folder.
+
+    Ctrl-C writes a checkpoint and says how to go on.
+    """
+    with open_job(plan, settings_given(changes or [], steps, seeds)) as job:
+        run = run_to_resume(plan, job, runs) if resume else new_run(job, runs)
+        say(f"training {job.plan.name}: {job.plan.train.seeds} seeds in {run.as_posix()}", quiet)
+        train_job(job, run, resume, quiet)
+    print(run.as_posix())
