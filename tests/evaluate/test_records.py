@@ -32,6 +32,7 @@ EVALUATION: dict[str, Any] = {
     "gamma": 0.99,
     "greedy": {"accepting_visits": [3.0, 2.5], "first_visit": [11.0, None]},
     "stochastic": {"accepting_visits": [2.0, 1.5]},
+    "last": {"accepting_visits": [2.5, 0.5]},
     "cloning": None,
     "optimum": {"accepting_visits": 4.0, "exact": True, "how": "by hand"},
     "curve": [{"step": 1000, "accepting_visits": [0.0, 1.0]}],
@@ -53,6 +54,7 @@ def test_each_seed_gets_its_own_values_and_what_is_shared() -> None:
     assert second["greedy"] == {"accepting_visits": 2.5, "first_visit": None}
     assert second["curve"] == [{"step": 1000, "accepting_visits": 1.0}]
     assert second["optimum"] == EVALUATION["optimum"]
+    assert second["last"] == {"accepting_visits": 0.5}
     assert second["cloning"] is None
     assert second["spec_digest"] == "spec"
     assert "seeds" not in second

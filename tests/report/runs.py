@@ -115,10 +115,12 @@ def write_run(
 
     if reached is None:
         cloned = metrics(np.round(rng.uniform(1.1, 2.0, seeds), 2), np.full(seeds, 0.35))
+        last = metrics(visits * 0.9, np.clip(rng.normal(0.05, 0.05, seeds), 0, 1))
         sampled = metrics(visits * 0.8, np.clip(rng.normal(0.1, 0.05, seeds), 0, 1))
         evaluation = {
             "schema_version": 1, **about, "steps": steps, "episodes": 20, "gamma": 0.99,
-            "greedy": greedy, "stochastic": sampled, "cloning": cloned,
+            "greedy": greedy, "stochastic": sampled, "last": last,
+            "cloning": cloned,
             "optimum": {"accepting_visits": 4.0, "exact": False,
                         "how": "dynamic programming on a lattice 0.1 m apart: a lower bound"},
             "curve": curve, "wall_seconds": 271.4, "machine": {"cpu": "2 × EPYC", "threads": 2},

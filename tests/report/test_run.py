@@ -19,7 +19,7 @@ def test_a_whole_run_is_read_with_nothing_to_note(tmp_path: Path) -> None:
     assert run.curve.steps == tuple(range(0, 60_001, 5_000))
     assert run.curve.values["accepting_visits"].shape == (13, 10)
     assert run.final is not None
-    assert set(run.final.policies) == {"greedy", "stochastic", "cloning"}
+    assert set(run.final.policies) == {"greedy", "stochastic", "last", "cloning"}
     assert run.trajectories is not None
     assert run.trajectories.states.shape == (10, 51)
 

@@ -25,7 +25,7 @@ Json: TypeAlias = "bool | int | float | str | list[Json] | dict[str, Json] | Non
 
 SCHEMA_VERSION = 1
 
-POLICIES = ("greedy", "stochastic", "cloning")
+POLICIES = ("greedy", "stochastic", "last", "cloning")
 """The entries of an evaluation that hold one value a seed for each metric."""
 
 IDENTITY = (

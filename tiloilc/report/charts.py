@@ -174,7 +174,7 @@ def strip(
     values: Floats, names: Sequence[str], summary: Summary, low: float, high: float, show: Text
 ) -> Markup:
     """Every seed a dot on the line from `low` to `high`, equal ones stacked, with the IQM's bar."""
-    width, height, margin = 150.0, 34.0, 6.0
+    width, height, margin = 132.0, 34.0, 6.0
     span = high - low if high > low else 1.0
 
     def x(value: float) -> float:

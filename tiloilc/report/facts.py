@@ -29,6 +29,7 @@ __all__ = [
     "greedy",
     "labels",
     "levels_of",
+    "percent",
     "summary",
     "verdict",
 ]
@@ -54,7 +55,12 @@ class MetricText:
         """A value as the page writes it."""
         if np.isnan(value):
             return "–"
-        return f"{value * 100:.1f} %" if self.share else f"{value:.2f}"
+        return f"{percent(value)} %" if self.share else f"{value:.2f}"
+
+
+def percent(share: float) -> str:
+    """A share in hundredths, with one place if it needs one."""
+    return f"{share * 100:.1f}".removesuffix(".0")
 
 
 METRIC_TEXTS = {
@@ -97,13 +103,16 @@ def greedy(run: Run) -> dict[str, Floats]:
 
 
 def cloning(run: Run) -> dict[str, Floats]:
-    """Cloning alone: from eval.json, else the evaluation at step 0 after a warm start."""
+    """Cloning alone: from eval.json, else the evaluation at which learning began after it."""
     if run.final is not None and "cloning" in run.final.policies:
         return run.final.policies["cloning"]
-    warm = run.plan is not None and run.plan.train.warm_start != "none"
-    if warm and run.curve.steps[:1] == (0,):
-        return {name: column[0] for name, column in run.curve.values.items()}
-    return {}
+    if run.plan is None or run.plan.train.warm_start == "none":
+        return {}
+    begun = run.plan.train.learning_starts
+    if begun not in run.curve.steps:
+        return {}
+    place = run.curve.steps.index(begun)
+    return {name: column[place] for name, column in run.curve.values.items()}
 
 
 def summary(values: Floats | None) -> Summary | None:
@@ -167,8 +176,7 @@ def verdict(run: Run) -> str:
         if violations.mean == 0:
             said += " No episode violates the formula."
         else:
-            share = f"{violations.mean * 100:.1f}".removesuffix(".0")
-            said += f" It violates the formula in {share} % of episodes."
+            said += f" It violates the formula in {percent(violations.mean)} % of episodes."
     return said
 
 

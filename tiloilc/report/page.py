@@ -132,7 +132,7 @@ def _results(run: Run) -> Markup:
     said = []
     if run.final is not None and run.final.episodes is not None:
         said.append(
-            f"{run.final.episodes} episodes a seed, on evaluation seeds training never sees."
+            f"{run.final.episodes} episodes a seed, begun from random seeds kept for evaluation."
         )
     elif run.final is None:
         said.append("From the last evaluation during training; eval.json is missing.")
@@ -173,7 +173,7 @@ def _curves(runs: Sequence[Run], names: Sequence[str]) -> Markup:
         if main is None:
             body.append(tables.absent("There was no evaluation during training."))
             continue
-        said = "Greedy policies, evaluated during training."
+        said = "Greedy policies on validation episodes, during training."
         body.append(tag("figure", main, tag("figcaption", said)))
         if small is not None:
             body.append(small)
@@ -276,9 +276,10 @@ def _reading() -> Markup:
         "Interquartile mean: the mean over seeds without the lowest and highest quarter, with a "
         "percentile bootstrap interval over seeds."
     )
-    about["Greedy, sampled"] = (
-        "Greedy policies take the mean action and are what is reported; sampled ones draw from the "
-        "policy as in training."
+    about["Which policy"] = (
+        "Of each seed the best by validation during training, taking its mean action, judged on "
+        "fresh episodes. Sampled: the same, drawing actions as in training. At the end: the one "
+        "that training ended with. Cloning alone: the one it began with."
     )
     return tables.pairs(about, kind="glossary")
 

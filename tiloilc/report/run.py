@@ -59,7 +59,11 @@ class Trajectories:
 
 @dataclass(frozen=True)
 class Final:
-    """`eval.json`: each policy's metrics over seeds, [S], and the optimum if it is known."""
+    """`eval.json`: each policy's metrics over seeds, [S], and the optimum if it is known.
+
+    `greedy` and `stochastic` are of each seed's best policy by validation, `last` of the one that
+    training ended with, `cloning` of the one it began with.
+    """
 
     policies: dict[str, dict[str, Floats]]
     gamma: float | None
@@ -137,7 +141,7 @@ def _read(path: Path) -> Run:
     curve = _curve(events.eval, "greedy", len(seeds))
     if not curve.steps and evaluation is not None:
         curve = _curve(_points(evaluation.get("curve")), "", len(seeds))
-    end = integer(about.get("steps", events.last), "`steps`")
+    end = events.last if log.is_file() else integer(about.get("steps"), "`steps`")
     return Run(
         folder=path.resolve().name,
         root=path if plan is None else path / plan.root,
@@ -226,7 +230,7 @@ def _occupancy(events: Sequence[Object], seeds: int) -> Occupancy | None:
 
 def _final(evaluation: Object, seeds: int) -> Final:
     policies = {}
-    for policy in ("greedy", "stochastic", "cloning"):
+    for policy in ("greedy", "stochastic", "last", "cloning"):
         metrics = mapping(evaluation.get(policy), f"`{policy}`")
         if metrics:
             policies[policy] = {

@@ -22,12 +22,15 @@ def results(run: Run) -> Markup:
     """One row a metric: mean ± sd, IQM with interval and dots; then what it is compared with."""
     values = facts.greedy(run)
     policies = {} if run.final is None else run.final.policies
-    sampled, cloned = policies.get("stochastic", {}), facts.cloning(run)
+    beside = {
+        "sampled": policies.get("stochastic", {}),
+        "at the end": policies.get("last", {}),
+        "cloning alone": facts.cloning(run),
+    }
+    beside = {head: metrics for head, metrics in beside.items() if metrics}
     heads = ["Greedy policy", "mean ± sd", "IQM [95 % CI]", "every seed"]
-    heads += ["sampled policy"] if sampled else []
-    heads += ["cloning alone"] if cloned else []
+    heads += list(beside)
     best, _ = facts.levels_of(run, facts.VISITS)
-    heads += ["optimum"] if best is not None else []
     rows = []
     for name, about in facts.METRIC_TEXTS.items():
         column = values.get(name)
@@ -39,19 +42,15 @@ def results(run: Run) -> Markup:
             unit = f"γ = {number(run.final.gamma)}"
         if name == "first_visit" and over.count < len(run.seeds):
             unit += f", {over.count} of {len(run.seeds)} seeds"
+        of_best = _of_best(over, best) if name == facts.VISITS else ""
         cells = [
             tag("th", about.title, tag("small", unit), scope="row", title=about.about),
-            tag("td", plus_minus(over, about), class_="num strong"),
+            tag("td", plus_minus(over, about), of_best, class_="num strong"),
             tag("td", iqm(over, about), class_="num"),
             tag("td", dots(run, name, column, over, best), class_="dots"),
         ]
-        if sampled:
-            cells.append(tag("td", _brief(sampled.get(name), about), class_="num"))
-        if cloned:
-            cells.append(tag("td", _brief(cloned.get(name), about), class_="num"))
-        if best is not None:
-            shown = number(best) if name == facts.VISITS else ""
-            cells.append(tag("td", shown, class_="num"))
+        for metrics in beside.values():
+            cells.append(tag("td", _brief(metrics.get(name), about), class_="num"))
         rows.append(tag("tr", cells))
     return _table(heads, rows, "results")
 
@@ -208,7 +207,7 @@ def plus_minus(over: Summary, about: facts.MetricText) -> str:
     if over.count == 1:
         return about.show(over.mean)
     if about.share:
-        return f"{over.mean * 100:.1f} ± {over.sd * 100:.1f} %"
+        return f"{facts.percent(over.mean)} ± {facts.percent(over.sd)} %"
     return f"{over.mean:.2f} ± {over.sd:.2f}"
 
 
@@ -216,7 +215,7 @@ def iqm(over: Summary, about: facts.MetricText) -> str:
     """Interquartile mean and its interval, the unit once."""
     low, high = over.iqm_interval.low, over.iqm_interval.high
     if about.share:
-        return f"{over.iqm * 100:.1f} [{low * 100:.1f}, {high * 100:.1f}] %"
+        return f"{facts.percent(over.iqm)} [{facts.percent(low)}, {facts.percent(high)}] %"
     return f"{over.iqm:.2f} [{low:.2f}, {high:.2f}]"
 
 
@@ -238,7 +237,7 @@ def _brief(values: Floats | None, about: facts.MetricText) -> str:
 def _of_best(over: Summary, best: float | None) -> str:
     if best is None or best <= 0:
         return ""
-    return tag("small", f"{over.mean / best * 100:.0f} % of {number(best)}")
+    return tag("small", f"{over.mean / best * 100:.0f} % of the optimum")
 
 
 def _setting(value: object) -> str:
