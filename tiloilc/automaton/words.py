@@ -85,7 +85,17 @@ def accepting_lasso(start: T, moves: Moves[T]) -> Lasso | None:
             total = distance[node] + 1 + steps[node]
             if best is None or total < best[0]:
                 best = total, _letters(path, node), (letter, *_letters(back, node))
-    return None if best is None else Lasso(best[1], best[2])
+    return None if best is None else shortened(best[1], best[2])
+
+
+def shortened(stem: tuple[int, ...], loop: tuple[int, ...]) -> Lasso:
+    """The word `stem` · `loop`^ω written as short as it can be."""
+    while stem and stem[-1] == loop[-1]:
+        stem, loop = stem[:-1], (loop[-1], *loop[:-1])
+    for length in range(1, len(loop) + 1):
+        if loop == loop[:length] * (len(loop) // length):
+            return Lasso(stem, loop[:length])
+    raise AssertionError("a loop is one round of itself")
 
 
 Path = dict[int, tuple[int, int] | None]
