@@ -18,7 +18,7 @@ from tiloilc.driver.formula import meaning, translated, unused
 from tiloilc.label import compile_predicates
 from tiloilc.ltl import Parsed, parse
 from tiloilc.plan import Stages, importable, stage_findings, stage_plan
-from tiloilc.spec import Document, Spec, examine_spec
+from tiloilc.spec import Document, Environment, Spec, examine_spec
 
 Labels = Callable[[NDArray[np.float32]], NDArray[np.int64]]
 
@@ -62,15 +62,16 @@ def analyse(path: str | os.PathLike[str]) -> Analysis:
     ldba, stages = _automaton(parsed, document, findings)
     if document.has("automaton"):
         _no_automata_yet(document, findings)
+    environment = _environment(document, spec)
     asked = None
-    if spec is not None:
-        task = spec
-        asked = findings.attempt(lambda: ask(task.environment, document))
+    if environment is not None:
+        asked = findings.attempt(lambda: ask(environment, document))
     fields = {**(asked.fields if asked else {}), **(spec.fields if spec else {})}
     if asked is not None and spec is not None:
-        findings.add(_environment(spec, asked, document))
+        findings.add(_fit(spec, asked, document))
     with importable(document.path.parent):
-        labels = _labels(document, fields, asked is not None, findings)
+        known = asked is not None and (spec is not None or not document.has("observation"))
+        labels = _labels(document, fields, known, findings)
         demos = None
         if spec and asked and labels and ldba and parsed and not findings.failed:
             demos = _demonstrations(spec, asked, labels, ldba, document, findings)
@@ -120,7 +121,18 @@ def _settings(spec: Spec, document: Document) -> list[Diagnostic]:
     return [Diagnostic.of("PLAN404", span, beta=f"{spec.train.beta:g}", help="1/3 is usual")]
 
 
-def _environment(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
+def _environment(document: Document, spec: Spec | None) -> Environment | None:
+    """The environment to ask; also that of a faulty task file, if it is no more than an id."""
+    if spec is not None:
+        return spec.environment
+    try:
+        name = document.value_text("environment", "id").value
+    except KeyError:
+        return None
+    return None if document.has("environment", "kwargs") else Environment(id=name, horizon=1)
+
+
+def _fit(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
     """JOB601, JOB604 and SPEC120."""
     found = []
     if not asked.reproducible:

@@ -7,12 +7,12 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 
-from pydantic import Field, ValidationError
+from pydantic import ValidationError
 
 from tiloilc.automaton.ldba import Cube, Edge, Ldba
 from tiloilc.diag import CompileError, Diagnostic, Span
 from tiloilc.plan.model import SCHEMA_VERSION, Plan, Predicate, Stages
-from tiloilc.plan.options import intersection, options
+from tiloilc.plan.options import is_partition, options
 from tiloilc.spec.base import Model
 from tiloilc.spec.model import Demonstrations, Environment, Evaluate
 from tiloilc.spec.settings import Settings
@@ -67,7 +67,7 @@ class _Predicate(_Strict):
 
 
 class _File(Model):
-    """The whole file. The sections of the task file are read as the task file's are."""
+    """The whole file; sections of the task file are read as there."""
 
     schema_version: int
     version: str
@@ -81,7 +81,7 @@ class _File(Model):
     automaton: _Automaton
     stages: _Stages
     demonstrations: Demonstrations
-    train: dict[str, object] = Field(description="every setting")
+    train: dict[str, object]
     evaluate: Evaluate
     digests: dict[str, str]
 
@@ -120,7 +120,7 @@ def from_json(text: str, file: str = "plan.json") -> Plan:
     Raises CompileError PLAN407 for anything that is not a whole and consistent plan.
     """
     try:
-        data = json.loads(text)
+        data = json.loads(text, parse_constant=_no_number)
     except ValueError as error:
         raise _unreadable(f"not JSON ({_decapitalised(str(error))})", file) from None
     except RecursionError:
@@ -250,21 +250,11 @@ def _ldba(read: _Automaton, file: str) -> Ldba:
         initial=read.initial,
     )
     for b in ldba.states:
-        if not _partition([cube for edge in ldba.outgoing[b] for cube in edge.guard], ldba):
+        if not is_partition([edge.guard for edge in ldba.outgoing[b]]):
             raise _unreadable(f"the edges of automaton state {b} do not partition letters", file)
     if automaton_json(ldba) != read.model_dump(mode="json"):
         raise _unreadable("the automaton's guards or options contradict each other", file)
     return ldba
-
-
-def _partition(cubes: Sequence[Cube], ldba: Ldba) -> bool:
-    """Whether each letter lies in just one of `cubes`."""
-    n = len(ldba.propositions)
-    size = sum(1 << (n - cube.mask.bit_count()) for cube in cubes)
-    apart = all(
-        intersection(one, other) is None for i, one in enumerate(cubes) for other in cubes[:i]
-    )
-    return apart and size == 1 << n
 
 
 def _stages(read: _Stages, ldba: Ldba, file: str) -> Stages:
@@ -280,6 +270,10 @@ def _stages(read: _Stages, ldba: Ldba, file: str) -> Stages:
         tuple(map(tuple, read.positive)),
         tuple(map(tuple, read.negative)),
     )
+
+
+def _no_number(name: str) -> float:
+    raise ValueError(f"{name} is no number")
 
 
 def _pair(values: Sequence[int], key: str, file: str) -> tuple[int, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from tiloilc.automaton.ldba import Cube, Ldba, StateId
@@ -42,7 +43,7 @@ def options(ldba: Ldba) -> tuple[Option, ...]:
             live = tuple(dict.fromkeys(c for c in reached if c != ldba.sink)) or reached[:1]
             if live != reached[:1]:
                 parts.setdefault(live, []).append(cube)
-        rows += [Option(b, tuple(sorted(parts[t])), t) for t in sorted(parts)]
+        rows += [Option(b, tuple(sorted(set(parts[t]))), t) for t in sorted(parts)]
     return tuple(rows)
 
 
@@ -51,3 +52,30 @@ def intersection(one: Cube, other: Cube) -> Cube | None:
     if (one.value ^ other.value) & one.mask & other.mask:
         return None
     return Cube(one.mask | other.mask, one.value | other.value)
+
+
+def is_partition(guards: Sequence[Sequence[Cube]]) -> bool:
+    """Whether each letter is in just one of `guards`; the cubes of one may overlap."""
+    apart = all(
+        intersection(cube, other) is None
+        for i, guard in enumerate(guards)
+        for cube in guard
+        for earlier in guards[:i]
+        for other in earlier
+    )
+    return apart and _covers([cube for guard in guards for cube in guard])
+
+
+def _covers(cubes: Sequence[Cube]) -> bool:
+    """Whether each letter is in one of `cubes`, by cases on the propositions that they name."""
+    waiting = [list(cubes)]
+    while waiting:
+        case = waiting.pop()
+        if not case:
+            return False
+        if all(cube.mask for cube in case):
+            bit = case[0].mask & -case[0].mask
+            for value in (0, bit):
+                fitting = [c for c in case if not c.mask & bit or c.value & bit == value]
+                waiting.append([Cube(c.mask & ~bit, c.value & ~bit) for c in fitting])
+    return True
