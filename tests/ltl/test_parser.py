@@ -102,6 +102,23 @@ def test_words_are_cut_as_spot_cuts_them(text: str, wanted: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("X[3] a", "X X X a"),
+        ("F[2:4] a", "X X (a | X (a | X a))"),
+        ("GF[1..2]a", "G X (a | X a)"),
+        ("<>[0,1] (a & b)", "(a & b) | X (a & b)"),
+        ("G[0:1] a", "a & X a"),
+        ("G[2:] a U b", "X X G a U b"),
+        ("F [1..$] a", "X F a"),
+        ("F[0:0] a", "a"),
+    ],
+)
+def test_bounded_operators_are_written_out(text: str, wanted: str) -> None:
+    assert parse(text).formula == parse(wanted).formula
+
+
+@pytest.mark.parametrize(
     ("text", "declared", "wanted"),
     [
         ("GoalReached", ["GoalReached"], '"GoalReached"'),
@@ -186,6 +203,8 @@ def test_long_and_deep_text_works_within_the_limits(text: str) -> None:
         (" -> ".join(["a"] * 5_001), "LTL202"),
         ("G(" * 5_000 + "a" + ")" * 5_000, "LTL202"),
         ("a" * 100_001, "LTL202"),
+        ("F[0:150] a", "LTL202"),
+        ("X[100] F[999999:] a", "LTL202"),
         ("(" * 10_000, "LTL201"),
         ("a" + ")" * 10_000, "LTL201"),
         ("G" * 50_000, "LTL201"),

@@ -6,6 +6,7 @@ Spot's spelling, with words for operators besides. A word is read from the left,
   G or X followed by the rest of the word (`GFa`); a letter before a digit is no operator (`F1`);
 - of these only what fits: a unary operator if a formula follows, else something that ends one (so
   that with G declared `G a` is still the operator, and `a & G` the proposition);
+- X, F and G may have bounds: `X[3]`, `F[2:5]`, `G[2..]`;
 - after a formula, a binary operator, alone (`U`) or followed by the rest of the word (`Ub`).
 """
 
@@ -71,6 +72,8 @@ _WORD = re.compile(r"[\w.]+")
 _QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
 _TWO_WORDS = re.compile(r"(weak)\s+until\b|(strong)\s+release\b")
 _SYMBOL = re.compile("|".join(re.escape(s) for s in sorted(SYMBOL_KINDS, key=len, reverse=True)))
+_BOUNDS = re.compile(r"\s*\[\s*(\d{1,6})(?:\s*(:|\.\.|,)\s*(\d{1,6}|\$|inf)?)?\s*\]")
+_BRACKETS = re.compile(r"\[[^\]()&|\"]*\]?")
 _SAME = re.compile(r"(.)\1*", re.DOTALL)
 _PREFIX_RUN = re.compile(r"[FGX]*")
 _PLAIN_NAME = re.compile(r"[a-zA-EH-WYZ_.][a-zA-Z0-9_.]*|[FGX][0-9][a-zA-Z0-9_.]*")
@@ -120,7 +123,7 @@ def tokenize(text: str, declared: Iterable[str] | None) -> Lexed:
             at = pair.end()
         elif word := _WORD.match(text, at):
             words.read(word.group(), at, lexed, _formula_follows(text, word.end()))
-            at = word.end()
+            at = _with_bounds(text, word.end(), lexed.tokens)
         elif quoted := _QUOTED.match(text, at):
             name = re.sub(r"\\(.)", r"\1", quoted[1], flags=re.DOTALL)
             lexed.tokens.append(Token("NAME", at, quoted.end(), name))
@@ -130,13 +133,32 @@ def tokenize(text: str, declared: Iterable[str] | None) -> Lexed:
             at = len(text)
         elif symbol := _SYMBOL.match(text, at):
             lexed.tokens.append(Token(SYMBOL_KINDS[symbol.group()], at, symbol.end()))
-            at = symbol.end()
+            at = _with_bounds(text, symbol.end(), lexed.tokens)
         else:
-            run = _SAME.match(text, at)
+            run = _BRACKETS.match(text, at) or _SAME.match(text, at)
             assert run is not None
             lexed.strange.append((at, run.end()))
             at = run.end()
     return lexed
+
+
+def _with_bounds(text: str, at: int, tokens: list[Token]) -> int:
+    """Make `F` into `F[2:5]`, if bounds follow: a token whose name is `EVENTUALLY 2 5`.
+
+    X takes one number, F and G two; without the second they are open (`F[2:]`, `F[2..$]`).
+    Returns where the text goes on.
+    """
+    bounds = _BOUNDS.match(text, at)
+    if bounds is None or not tokens or tokens[-1].kind not in UNARY_KINDS - {"NOT"}:
+        return at
+    first, separator, last = bounds.groups()
+    if (separator is None) != (tokens[-1].kind == "NEXT"):
+        return at
+    if last and last.isdigit() and int(last) < int(first):
+        return at
+    name = " ".join((tokens[-1].kind, first, last if last and last.isdigit() else "")).strip()
+    tokens[-1] = Token("BOUNDED", tokens[-1].start, bounds.end(), name)
+    return bounds.end()
 
 
 def keyword(word: str) -> str | None:
@@ -159,6 +181,8 @@ def _formula_follows(text: str, at: int) -> bool:
     if word := _WORD.match(text, at):
         kind = keyword(word.group())
         return kind not in BINARY_KINDS and (kind is not None or word.group()[0] not in INFIXES)
+    if _BOUNDS.match(text, at):
+        return True
     if symbol := _SYMBOL.match(text, at):
         return SYMBOL_KINDS[symbol.group()] in UNARY_KINDS | CONSTANT_KINDS | {"OPEN"}
     return text[at : at + 1] == '"'

@@ -24,7 +24,7 @@ STRANGE_HELP = {
     "'": 'a proposition is quoted by `"`',
     "`": 'a proposition is quoted by `"`',
     "{": "formulas are grouped by `(` and `)`",
-    "[": "formulas are grouped by `(` and `)`",
+    "[": "bounds follow X, F or G: `X[3]`, `F[2:5]`, `G[2:]`",
 }
 """What was probably meant by a character that the language does not have."""
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from tiloilc.diag import Diagnostic, SourceText
 from tiloilc.ltl.syntax import Syntax
 
-TEMPORAL_PREFIXES = frozenset({"next", "eventually", "always"})
+TEMPORAL_PREFIXES = frozenset({"next", "eventually", "always", "bounded"})
 UNTIL_LIKE = frozenset({"until", "weak", "release", "strong"})
 ARROWS = frozenset({"implies", "iff"})
 LONGEST_SHOWN = 60

@@ -108,7 +108,7 @@ def _grammar() -> lark.Lark:
 RULES = frozenset(
     {"start", "brackets", "proposition", "denied", "true", "false", "implies", "iff", "either"}
     | {"xor", "both", "until", "weak", "release", "strong", "negate", "next", "eventually"}
-    | {"always"}
+    | {"always", "bounded"}
 )
 """The rules of the grammar."""
 
@@ -144,8 +144,33 @@ def _built(rule: str, children: list[Syntax | lark.Token]) -> Syntax:
         if rule == "denied":
             return Syntax("negate", Not(Proposition(name)), start, end, 1)
         return Syntax(rule, leaf[rule], start, end)
+    if rule == "bounded":
+        formula, deeper = _bounded(str(children[0]), parts[0])
+        return Syntax(rule, formula, start, end, deeper + parts[0].depth, parts)
     formula = OPERATORS[rule](*(part.formula for part in parts))
     return Syntax(rule, formula, start, end, 1 + max(part.depth for part in parts), parts)
+
+
+def _bounded(operator: str, part: Syntax) -> tuple[Formula, int]:
+    """`F[2:4] a` as `X X (a | X (a | X a))`, and how much deeper that is than a.
+
+    Bounds beyond the depth limit are not written out: the depth says that there is an error.
+    """
+    kind, first, *last = operator.split()
+    delay, choices = int(first), max(0, int(last[0]) - int(first)) if last else 0
+    opened = kind != "NEXT" and not last
+    deeper = delay + 2 * choices + opened
+    formula = part.formula
+    if deeper > MAX_DEPTH:
+        return formula, deeper
+    if opened:
+        formula = Eventually(formula) if kind == "EVENTUALLY" else Always(formula)
+    for _ in range(choices):
+        both = (part.formula, Next(formula))
+        formula = Or(both) if kind == "EVENTUALLY" else And(both)
+    for _ in range(delay):
+        formula = Next(formula)
+    return formula, deeper
 
 
 def _start(child: Syntax | lark.Token) -> int:
@@ -161,8 +186,8 @@ def _end(child: Syntax | lark.Token) -> int:
 
 
 def _too_deep(text: SourceText, tree: Syntax) -> Stop:
-    while tree.depth > MAX_DEPTH + 1:
-        tree = max(tree.parts, key=lambda part: part.depth)
+    while deep := [part for part in tree.parts if part.depth > MAX_DEPTH]:
+        tree = deep[0]
     finding = Diagnostic.of(
         "LTL202",
         text.span(tree.start, tree.start + 1),
