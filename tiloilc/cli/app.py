@@ -51,7 +51,7 @@ def build_app(wanted: str | None = None) -> typer.Typer:
         no_args_is_help=True,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    app.callback()(_root)
+    app.callback(invoke_without_command=True)(_root)
     for verb in [wanted] if wanted in VERBS else VERBS:
         assert verb is not None
         module = f"tiloilc.cli.{VERBS[verb]}"
@@ -80,15 +80,21 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     sys.exit(0)
 
 
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"tiloilc {tiloilc.__version__}")
+        raise typer.Exit
+
+
 def _root(
     version: Annotated[
-        bool, typer.Option("--version", help="Print the version and exit.", is_eager=True)
+        bool,
+        typer.Option(
+            "--version", help="Print the version and exit.", is_eager=True, callback=_version
+        ),
     ] = False,
 ) -> None:
     """Compile a YAML task file with a temporal-logic formula into a trained agent."""
-    if version:
-        print(f"tiloilc {tiloilc.__version__}")
-        raise typer.Exit
 
 
 def _internal(error: Exception, given: Sequence[str]) -> str:

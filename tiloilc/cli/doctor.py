@@ -17,10 +17,7 @@ from tiloilc.versions import is_broken_mujoco
 
 REQUIRED = {
     "gymnasium": "gymnasium",
-    "dd": "dd",
     "lark": "lark",
-    "matplotlib": "matplotlib",
-    "networkx": "networkx",
     "numpy": "numpy",
     "pydantic": "pydantic",
     "pygraphviz": "pygraphviz",

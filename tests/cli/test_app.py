@@ -1,0 +1,129 @@
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from tests.cli.running import Run, runner
+from tiloilc.cli import app
+from tiloilc.cli.app import VERBS, main
+from tiloilc.diag import CompileError, Diagnostic
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    return runner(capsys)
+
+
+def python(*arguments: str, cwd: Path, **env: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=cwd,
+        env={**os.environ, **env},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+def verb(monkeypatch: pytest.MonkeyPatch, body: Callable[[], None]) -> None:
+    """Put `body` in the place of the verb `schema`."""
+    module = ModuleType("schema")
+    module.command = body  # type: ignore[attr-defined]
+    monkeypatch.setattr(app, "import_module", lambda name: module)
+
+
+def test_the_help_lists_the_verbs_that_are_there_and_no_others(run: Run, root: Path) -> None:
+    status, out, _ = run("--help")
+    listed = [line.split()[0] for line in out.partition("Commands:")[2].splitlines() if line]
+    there = [v for v, module in VERBS.items() if (root / f"tiloilc/cli/{module}.py").exists()]
+    assert status == 0
+    assert listed == there
+
+
+def test_every_verb_has_help(run: Run, root: Path) -> None:
+    for name, module in VERBS.items():
+        if (root / f"tiloilc/cli/{module}.py").exists():
+            status, out, _ = run(name, "--help")
+            assert status == 0
+            assert out.startswith("Usage: tiloilc")
+
+
+def test_the_version_is_printed(run: Run) -> None:
+    import tiloilc
+
+    assert run("--version")[:2] == (0, f"tiloilc {tiloilc.__version__}\n")
+
+
+def test_a_misspelt_verb_is_a_usage_error(run: Run) -> None:
+    status, out, err = run("lnit")
+    assert (status, out) == (2, "")
+    assert "lnit" in err
+
+
+def test_a_missing_file_is_a_usage_error(run: Run, tmp_path: Path) -> None:
+    for name in ("lint", "compile", "viz"):
+        assert run(name, tmp_path / "none.yaml")[0] == 2
+
+
+def test_an_internal_error_says_that_it_is_ours(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails() -> None:
+        raise ZeroDivisionError("one by none")
+
+    verb(monkeypatch, fails)
+    status, out, err = run("schema")
+    assert (status, out) == (2, "")
+    assert "internal error: ZeroDivisionError: one by none" in err
+    assert "tiloilc schema" in err
+    assert "Traceback" not in err
+
+
+def test_the_traceback_of_an_internal_error_is_for_those_who_ask(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fails() -> None:
+        raise ZeroDivisionError
+
+    verb(monkeypatch, fails)
+    monkeypatch.setenv(app.TRACEBACK, "1")
+    with pytest.raises(ZeroDivisionError):
+        main(["schema"])
+
+
+def test_findings_that_stop_a_verb_go_to_standard_error(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails() -> None:
+        raise CompileError(Diagnostic.of("PLAN402"))
+
+    verb(monkeypatch, fails)
+    status, out, err = run("schema")
+    assert (status, out) == (1, "")
+    assert err.startswith("error[PLAN402]")
+
+
+def test_the_help_is_fast_and_lint_imports_no_torch(root: Path) -> None:
+    seconds = []
+    for _ in range(3):
+        begun = time.perf_counter()
+        assert python("-m", "tiloilc", "--help", cwd=root).returncode == 0
+        seconds.append(time.perf_counter() - begun)
+    lint = ("-X", "importtime", "-m", "tiloilc", "lint", "specs/flatworld_cycle.yaml")
+    imported = python(*lint, cwd=root)
+    assert imported.returncode == 0
+    assert "tiloilc.driver" in imported.stderr
+    assert " torch" not in imported.stderr
+    assert min(seconds) < 1.0
+
+
+def test_output_that_nobody_reads_is_no_error(root: Path) -> None:
+    command = f"{sys.executable} -m tiloilc schema | head -1"
+    done = subprocess.run(
+        ["bash", "-o", "pipefail", "-c", command],
+        cwd=root, capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.stderr == ""

@@ -1,0 +1,271 @@
+import csv
+import io
+import json
+import re
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from tests.cli.running import Run, runner
+from tests.driver.specs import spec
+from tiloilc.diag import RULES
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    return runner(capsys)
+
+
+CHAIN = "G F (a & X F (b & X F c)) & G !z"
+
+
+# lint
+
+
+def test_lint_of_a_good_file_prints_nothing_and_exits_with_0(run: Run, tmp_path: Path) -> None:
+    assert run("lint", spec(tmp_path)) == (0, "", "no findings\n")
+    assert run("lint", spec(tmp_path), "--quiet") == (0, "", "")
+
+
+def test_lint_prints_findings_of_all_files_and_exits_with_1(run: Run, tmp_path: Path) -> None:
+    one = spec(tmp_path, ("G !y", "G !q"), name="one.yaml")
+    two = spec(tmp_path, ("norm(pos)", "norm(posi)"), name="two.yaml")
+    status, out, err = run("lint", two, one, "--format", "concise")
+    assert status == 1
+    files = [line.split(":")[0].rpartition("/")[2] for line in out.splitlines()]
+    assert files == ["one.yaml", "two.yaml"]
+    assert err == ""
+
+
+def test_lint_as_json_follows_the_contract(run: Run, tmp_path: Path) -> None:
+    status, out, _ = run("lint", spec(tmp_path, ("G !y", "G !q")), "--format", "json")
+    (finding,) = json.loads(out)["diagnostics"]
+    assert status == 1
+    assert finding["code"] == "LTL203"
+    assert (finding["line"], finding["column"], finding["end_column"]) == (9, 22, 23)
+
+
+def test_lint_denies_warnings_if_told_to(run: Run, tmp_path: Path) -> None:
+    path = spec(tmp_path, (" & G !y", ""))
+    assert run("lint", path)[0] == 0
+    assert run("lint", path, "--deny", "warnings")[0] == 1
+
+
+def test_lint_of_an_unknown_format_is_a_usage_error(run: Run, tmp_path: Path) -> None:
+    assert run("lint", spec(tmp_path), "--format", "xml")[0] == 2
+
+
+# compile, viz, explain
+
+
+def test_compile_prints_the_folder(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run("compile", spec(tmp_path))
+    assert (status, out) == (0, "build/task\n")
+    assert "2 live states" in err
+    assert (tmp_path / "build/task/plan.json").is_file()
+    assert run("compile", tmp_path / "task.yaml", "-q", "-o", "there") == (0, "there\n", "")
+
+
+def test_compile_of_a_faulty_file_writes_nothing(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run("compile", spec(tmp_path, ("G !y", "G !q")))
+    assert (status, out) == (1, "")
+    assert "error[LTL203]" in err
+    assert not (tmp_path / "build").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "begins"),
+    [("x.svg", b"<?xml"), ("x.png", b"\x89PNG"), ("x.dot", b"digraph"), ("x.mmd", b"")],
+)
+def test_viz_writes_what_the_suffix_says(
+    run: Run, tmp_path: Path, name: str, begins: bytes
+) -> None:
+    status, out, _ = run("viz", spec(tmp_path), "-o", tmp_path / name)
+    assert (status, out) == (0, "")
+    data = (tmp_path / name).read_bytes()
+    assert data.startswith(begins)
+    assert len(data) > 100
+
+
+def test_viz_prints_dot_and_takes_build_folders(run: Run, tmp_path: Path) -> None:
+    run("compile", spec(tmp_path), "-o", tmp_path / "out")
+    from_plan = run("viz", tmp_path / "out")
+    assert from_plan[0] == 0
+    assert from_plan[1].startswith("digraph")
+    assert from_plan[1] == run("viz", tmp_path / "task.yaml")[1]
+
+
+def test_viz_of_an_unknown_suffix_is_a_usage_error(run: Run, tmp_path: Path) -> None:
+    status, _, err = run("viz", spec(tmp_path), "-o", tmp_path / "x.bmp")
+    assert status == 2
+    assert ".svg" in err
+
+
+def test_explain_speaks_of_tasks_and_of_codes(run: Run, tmp_path: Path) -> None:
+    status, out, _ = run("explain", spec(tmp_path))
+    assert status == 0
+    assert "stage 0 of 1, start" in out
+    for code in RULES:
+        status, out, _ = run("explain", code.lower())
+        assert status == 0
+        assert out.startswith(f"{RULES[code].severity}[{code}]")
+
+
+def test_explain_guesses_at_unknown_codes(run: Run) -> None:
+    status, out, err = run("explain", "LTL230")
+    assert (status, out) == (2, "")
+    assert "did you mean" in err
+    assert run("explain", "nothing.yaml")[0] == 2
+
+
+# translate, check
+
+
+def test_translate_writes_hoa_that_goes_through_the_goals_in_order(run: Run) -> None:
+    status, out, err = run("translate", CHAIN)
+    assert (status, err) == (0, "")
+    assert out.startswith("HOA: v1\n")
+    assert "States: 4\n" in out
+    steps = re.findall(r"^State: (\d).*?^\[[^!]*?(\d)&!3\] (\d)$", out, re.S | re.M)
+    assert steps == [("0", "0", "1"), ("1", "1", "2"), ("2", "2", "3"), ("3", "0", "1")]
+
+
+def test_translate_adds_the_sink_when_asked(run: Run) -> None:
+    assert "States: 5\n" in run("translate", CHAIN, "--complete")[1]
+
+
+def test_translate_marks_edges_when_asked(run: Run) -> None:
+    assert "States: 3\n" in run("translate", CHAIN, "--acceptance", "edge")[1]
+
+
+def test_translate_writes_json_and_dot(run: Run) -> None:
+    data = json.loads(run("translate", "F G a", "--format", "json")[1])
+    assert data["jumps"] == [[0, 1]]
+    assert run("translate", "F G a", "--format", "dot")[1].startswith("digraph")
+
+
+def test_translate_of_a_file_makes_a_table(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "formulas.txt"
+    file.write_text("# some\nF G a\n\nF a & G !z\n", encoding="utf-8")
+    status, out, _ = run("translate", "--file", file, "--format", "csv")
+    rows = list(csv.DictReader(io.StringIO(out)))
+    assert status == 0
+    assert list(rows[0]) == [
+        "formula",
+        "states",
+        "edges",
+        "accepting",
+        "deterministic",
+        "jumps",
+        "ms",
+    ]
+    assert [row["formula"] for row in rows] == ["F G a", "F a & G !z"]
+    assert [row["states"] for row in rows] == ["2", "2"]
+    assert [row["deterministic"] for row in rows] == ["false", "true"]
+
+
+def test_translate_beyond_its_limits_is_a_finding_and_an_empty_row(
+    run: Run, tmp_path: Path
+) -> None:
+    status, out, err = run("translate", CHAIN, "--max-states", "2")
+    assert (status, out) == (1, "")
+    assert "error[AUT305]" in err
+    file = tmp_path / "formulas.txt"
+    file.write_text(f"{CHAIN}\nF a\n", encoding="utf-8")
+    status, out, _ = run("translate", "--file", file, "--format", "csv", "--max-states", "2")
+    assert status == 1
+    assert [line.count(",") for line in out.splitlines()] == [6, 6, 6]
+
+
+def test_a_formula_with_a_fault_is_shown_with_a_caret(run: Run) -> None:
+    status, out, err = run("translate", "G F (a & ")
+    assert (status, out) == (1, "")
+    assert "error[LTL201]" in err
+    assert "^" in err
+
+
+def test_translate_without_a_formula_is_a_usage_error(run: Run) -> None:
+    assert run("translate")[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("formulas", "status", "said"),
+    [
+        (("G F a",), 0, ["satisfiable: yes", "valid: no"]),
+        (("a & !a",), 1, ["satisfiable: no"]),
+        (("a | !a",), 0, ["valid: yes"]),
+        (("G F (a & X F b)", "G F a & G F b"), 0, ["equivalent"]),
+        (("F G a", "G F a"), 1, ["F implies G", "G, not F: "]),
+        (("a", "b"), 1, ["neither implies the other", "F, not G: {a}", "G, not F: {b}"]),
+    ],
+)
+def test_check_says_how_formulas_relate(
+    run: Run, formulas: tuple[str, ...], status: int, said: list[str]
+) -> None:
+    got, out, _ = run("check", *formulas)
+    assert got == status
+    for text in said:
+        assert text in out
+
+
+# schema, doctor, init
+
+
+def test_the_schema_accepts_the_bundled_specs(run: Run, root: Path) -> None:
+    from ruamel.yaml import YAML
+
+    schema = json.loads(run("schema")[1])
+    for path in sorted((root / "specs").glob("*.yaml")):
+        jsonschema.validate(YAML(typ="safe").load(path.read_text(encoding="utf-8")), schema)
+
+
+def test_the_doctor_names_what_is_installed(run: Run) -> None:
+    status, out, _ = run("doctor", "--fast")
+    assert status == 0
+    assert re.search(r"^ok +numpy ", out, re.M)
+
+
+def test_the_doctor_says_what_to_do(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    from tiloilc.cli import doctor
+
+    monkeypatch.setitem(doctor.REQUIRED, "no-such-package", "no_such_package")
+    status, out, _ = run("doctor", "--fast")
+    assert status == 1
+    assert re.search(r"^missing +no-such-package +-> pip install", out, re.M)
+
+
+def test_a_new_task_lints_clean(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run("init", "my-task")
+    assert (status, out) == (0, "")
+    assert "next: tiloilc run my-task/my-task.yaml" in err
+    names = ["README.md", "my-task.yaml", "my_task_environment.py"]
+    assert sorted(path.name for path in (tmp_path / "my-task").iterdir()) == names
+    status, out, _ = run("lint", "my-task/my-task.yaml", "--deny", "warnings")
+    assert status == 0, out
+    assert run("init", "my-task")[0] == 2
+
+
+def test_a_new_task_can_be_a_copy(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("init", "mine", "--from", "flatworld_cycle", "-q") == (0, "", "")
+    assert (tmp_path / "mine/mine.yaml").read_text().startswith("name: mine\n")
+    (tmp_path / "labels.py").write_text("def near(seen):\n    return seen[:, 0] > 1\n")
+    own = spec(tmp_path, ("norm(pos) < 0.8", '{python: "labels.py:near"}'))
+    assert run("init", "copy", "--from", own)[0] == 0
+    assert (tmp_path / "copy/labels.py").is_file()
+    assert run("lint", "mine/mine.yaml", "copy/copy.yaml", "--deny", "warnings")[0] == 0
+
+
+def test_init_refuses_names_that_are_none(run: Run, tmp_path: Path) -> None:
+    assert run("init", tmp_path / "a b")[0] == 2
+    assert run("init", tmp_path / "x", "--from", "no_such_task")[0] == 2
