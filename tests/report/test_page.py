@@ -116,12 +116,18 @@ def test_the_verdict_has_result_interval_optimum_and_cloning(folder: Path, page:
     said = verdict(read_run(folder))
     number = r"\d\.\d\d"
     assert re.fullmatch(
-        rf"makes {number} accepting visits per episode \(95 % interval {number}–{number}, "
-        rf"10 seeds\): \d+ % of the optimum of 4; cloning alone makes {number}\. "
-        r"It violates the formula in [\d.]+ % of episodes\.",
+        rf"makes {number} accepting visits per episode \(95\u00a0% interval {number}–{number}, "
+        rf"10 seeds\): \d+\u00a0% of the optimum of 4; cloning alone makes {number}\. "
+        r"It violates the formula in [\d.]+\u00a0% of episodes\.",
         said,
     )
     assert f"TiLoIL {said}" in page
+
+
+def test_seeds_without_any_spread_are_said_to_be_the_same(tmp_path: Path) -> None:
+    run = write_run(tmp_path / "a1", seeds=3, greedy={"accepting_visits": [3.0] * 3})
+    said = verdict(read_run(run))
+    assert said.startswith("makes 3.00 accepting visits per episode (the same on all 3 seeds)")
 
 
 def test_numbers_in_the_table_are_those_of_the_evaluation(tmp_path: Path) -> None:
@@ -160,6 +166,12 @@ def test_commands_of_a_run_quote_what_a_shell_would_read(tmp_path: Path) -> None
     assert "--set 'beta=$(touch x)'" in commands
     assert "tiloilc compile flatworld_cycle.yaml" in commands
     assert "git checkout 1c580e2" in commands
+
+
+def test_a_checkout_names_the_commit_and_what_it_lacked(tmp_path: Path) -> None:
+    run = write_run(tmp_path / "a1", git_commit="1c580e2-dirty")
+    commands = "".join(outline(render([read_run(run)])).texts["code"])
+    assert "git checkout 1c580e2  # and what was not committed then" in commands
 
 
 def test_a_run_cut_short_says_so_first(tmp_path: Path) -> None:
@@ -202,6 +214,27 @@ def test_trajectories_lie_over_the_map_of_the_task(page: str) -> None:
     for scene in scenes:
         assert scene.count('class="zone"') == 4
         assert "<polyline" in scene
+
+
+def test_each_visit_is_marked_once_on_the_map(folder: Path, page: str) -> None:
+    run = read_run(folder)
+    assert run.trajectories is not None
+    arrivals = (run.trajectories.states[:, 1:] == 3) & (run.trajectories.states[:, :-1] != 3)
+    assert arrivals.sum() > 10
+    assert page.count('class="goal"') == arrivals.sum()
+
+
+def test_episodes_that_ended_early_are_drawn_up_to_their_end(tmp_path: Path) -> None:
+    import numpy as np
+
+    run = write_run(tmp_path / "a1", seeds=1)
+    observations = np.full((1, 51, 2), np.nan, np.float32)
+    observations[0, :4] = [[-1, -1], [-0.6, -1], [-0.2, -1], [0.2, -1]]
+    states = np.full((1, 51), -1)
+    states[0, :4] = 0
+    np.savez(run / "trajectories.npz", observations=observations, states=states)
+    page = render([read_run(run)])
+    assert "nan" not in page[page.index("<h2>Trajectories") : page.index("<h2>Settings")]
 
 
 def test_an_environment_that_is_not_installed_leaves_the_map_out(tmp_path: Path) -> None:

@@ -163,6 +163,8 @@ def verdict(run: Run) -> str:
     low, high = visits.mean_interval.low, visits.mean_interval.high
     seeds = f"{visits.count} seed{'' if visits.count == 1 else 's'}"
     spread = f"95 % interval {low:.2f}–{high:.2f}, {seeds}" if visits.count > 1 else seeds
+    if visits.count > 1 and low == high:
+        spread = f"the same on all {seeds}"
     said = f"makes {visits.mean:.2f} accepting visits per episode ({spread})"
     best, cloned = levels_of(run, VISITS)
     beside = []
@@ -177,7 +179,7 @@ def verdict(run: Run) -> str:
             said += " No episode violates the formula."
         else:
             said += f" It violates the formula in {percent(violations.mean)} % of episodes."
-    return said
+    return said.replace(" %", "\u00a0%")
 
 
 def labels(runs: Sequence[Run]) -> list[str]:

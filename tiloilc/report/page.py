@@ -197,7 +197,7 @@ def _occupancy(run: Run, states: Sequence[State]) -> Markup:
         return tables.absent("The event log has no stage histogram of this automaton.")
     said = (
         "Share of all seeds' training steps in each automaton state, in the order of the stages: "
-        "learning moves the mass up, towards acceptance."
+        "the higher, the nearer to acceptance."
     )
     return tag("figure", shown, tag("figcaption", said))
 
@@ -257,7 +257,9 @@ def _provenance(run: Run, name: str) -> Markup:
 def _commands(run: Run) -> list[str]:
     lines = []
     if run.final is not None and run.final.git_commit:
-        lines.append(f"git checkout {run.final.git_commit}")
+        commit = run.final.git_commit.removesuffix("-dirty")
+        note = "" if commit == run.final.git_commit else "  # and what was not committed then"
+        lines.append(f"git checkout {shlex.quote(commit)}{note}")
     changed = "".join(f" --set {shlex.quote(f'{k}={v}')}" for k, v in run.overrides.items())
     digests = {} if run.plan is None else run.plan.digests
     spec = next((key[5:] for key in digests if key.startswith("spec:")), f"{run.name}.yaml")

@@ -151,8 +151,8 @@ def _picture(
         dots += [tag("circle", cx=x, cy=y, r=1.7, fill=color) for x, y in placed[start:stop]]
     body.append(tag("g", lines, class_="way"))
     body.append(tag("g", dots, class_="steps"))
-    for t in range(1, fell + 1):
-        if states[run[t]].kind == "accepting" and len(run) <= 120:
+    for t, _ in _stretches(run[: fell + 1]):  # where it stays accepting, one mark is enough
+        if t and states[run[t]].kind == "accepting":
             at = {"cx": placed[t, 0], "cy": placed[t, 1]}
             about = tag("title", f"step {t}: accepting")
             body.append(tag("circle", about, class_="goal", r=4.6, fill=states[run[t]].color, **at))
@@ -218,16 +218,11 @@ def _cropped(drawn: Map, paths: Trajectories) -> Map:
         reach = shape.radius
         corners.append(np.array([[v - reach for v in shape.low], [v + reach for v in shape.high]]))
     every = np.concatenate(corners)
-    margin = 0.04 * float(np.ptp(every, axis=0).max())
+    if not len(every) or not np.ptp(every, axis=0).all():
+        return drawn
+    margin = 0.05 * float(np.ptp(every, axis=0).max())
     low, high = every.min(axis=0) - margin, every.max(axis=0) + margin
-    x_min, y_min, x_max, y_max = drawn.bounds
-    bounds = (
-        max(x_min, float(low[0])), max(y_min, float(low[1])),
-        min(x_max, float(high[0])), min(y_max, float(high[1])),
-    )  # fmt: skip
-    return (
-        replace(drawn, bounds=bounds) if bounds[0] < bounds[2] and bounds[1] < bounds[3] else drawn
-    )
+    return replace(drawn, bounds=(float(low[0]), float(low[1]), float(high[0]), float(high[1])))
 
 
 def _stretches(run: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
