@@ -1,7 +1,6 @@
 """Hand-written SVG charts: curves with intervals, stacked areas, dot strips.
 
-Colours and type come from the page's style sheet by class, so that one drawing serves light, dark
-and paper. Sizes are in CSS pixels at the chart's natural width.
+Colours and type come from the page's style sheet, so that one drawing serves screen and paper.
 """
 
 from __future__ import annotations

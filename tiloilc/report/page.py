@@ -17,10 +17,7 @@ __all__ = ["render"]
 
 
 def render(runs: Sequence[Run]) -> str:
-    """The whole page as HTML. One run is reported, several are compared.
-
-    The page asks nothing of any network, and the same runs give the same bytes.
-    """
+    """The whole page, which needs no network: one run is reported, several are compared."""
     assert runs, "a report of no run"
     names = facts.labels(runs)
     single = len(runs) == 1
