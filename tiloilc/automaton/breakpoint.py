@@ -52,23 +52,13 @@ class Breakpoints:
         found = list(goals)
         rest = self._tidy(rest)
         for variable in sorted(diagrams.support(rest)):
-            goal = self._goal(unfolding.term(variable))
+            goal = terms.goal(unfolding.term(variable))
             if goal is None or diagrams.assign(rest, {variable: False}) != FALSE:
                 continue
             found.append(goal)
             waiting = diagrams.support(unfolding.later(terms.make("F", goal)))
             rest = diagrams.assign(rest, dict.fromkeys({variable, *waiting}, True))
         return rest, tuple(dict.fromkeys(found))
-
-    def _goal(self, term: Term) -> Term | None:
-        """The q of a term "GF q" in which all operators of q are µ."""
-        terms = self.terms
-        if terms.operator[term] != "G":
-            return None
-        inner = terms.operands[term][0]
-        if terms.operator[inner] != "F" or terms.has_greatest[inner]:
-            return None
-        return terms.operands[inner][0]
 
     def _tidy(self, rest: Node) -> Node:
         """`rest` without co-safety terms that do not matter beside another one implied by them.
@@ -90,7 +80,7 @@ class Breakpoints:
             for weak in finite:
                 if strong == weak:
                     continue
-                if not terms.implies(unfolding.term(strong), unfolding.term(weak)):
+                if not unfolding.implications.implies(unfolding.term(strong), unfolding.term(weak)):
                     continue
                 with_weak = diagrams.assign(rest, {weak: True})
                 if diagrams.support(with_weak).isdisjoint({strong}):
@@ -110,10 +100,6 @@ class Breakpoints:
     def is_safety(self, state: Node) -> bool:
         """Whether nothing that must come is left in `state`."""
         return not any(self.terms.has_least[t] for t in self.unfolding.left_over(state))
-
-    def in_class(self, state: Node) -> bool:
-        """Whether `state` is of the recurrence class."""
-        return all(self.terms.recurrence[t] for t in self.unfolding.left_over(state))
 
     def _waiting(self, goal: Term) -> Node:
         return self.unfolding.unfold(self.terms.make("F", goal))

@@ -28,10 +28,21 @@ class Budget:
         self._deadline = time.monotonic() + timeout
         self._ticks = 0
 
+    def share(self, max_states: int) -> Budget:
+        """A budget for a second attempt: fewer states, the same end of time."""
+        part = Budget(min(max_states, self.max_states), self.timeout)
+        part._deadline = self._deadline
+        return part
+
+    @property
+    def is_late(self) -> bool:
+        """Whether the time is spent."""
+        return time.monotonic() > self._deadline
+
     def tick(self) -> None:
         """Count one round of a loop. Raises CompileError AUT305 when the time is spent."""
         self._ticks += 1
-        if self._ticks % CLOCK_EVERY == 0 and time.monotonic() > self._deadline:
+        if self._ticks % CLOCK_EVERY == 0 and self.is_late:
             raise too_large(f"not done after {self.timeout:g} s")
 
     def states(self, count: int) -> None:

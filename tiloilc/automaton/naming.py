@@ -5,7 +5,7 @@ from __future__ import annotations
 from tiloilc.automaton.bdd import Literals, Node
 from tiloilc.automaton.breakpoint import Serving
 from tiloilc.automaton.symmetric import State, Symmetric
-from tiloilc.automaton.terms import Term, Terms
+from tiloilc.automaton.terms import Term
 from tiloilc.automaton.unfolding import Unfolding
 from tiloilc.ltl import to_text
 
@@ -42,23 +42,23 @@ def term_of(unfolding: Unfolding, state: Node) -> Term:
     products = sorted(diagrams.cover(node))
     sums = sorted(diagrams.cover(diagrams.negate(node)))
     if sum(map(len, sums)) < sum(map(len, products)):
-        return _all(terms, [_any(terms, parts(literals, True)) for literals in sums])
-    return _any(terms, [_all(terms, parts(literals, False)) for literals in products])
+        return _all(unfolding, [_any(unfolding, parts(literals, True)) for literals in sums])
+    return _any(unfolding, [_all(unfolding, parts(literals, False)) for literals in products])
 
 
-def _all(terms: Terms, parts: list[Term]) -> Term:
+def _all(unfolding: Unfolding, parts: list[Term]) -> Term:
     """The conjunction of `parts` without those that another one implies."""
     kept = sorted(set(parts))
     for part in list(kept):
-        if any(other != part and terms.implies(other, part) for other in kept):
+        if any(other != part and unfolding.implications.implies(other, part) for other in kept):
             kept.remove(part)
-    return terms.both(kept)
+    return unfolding.terms.both(kept)
 
 
-def _any(terms: Terms, parts: list[Term]) -> Term:
+def _any(unfolding: Unfolding, parts: list[Term]) -> Term:
     """The disjunction of `parts` without those that imply another one."""
     kept = sorted(set(parts))
     for part in list(kept):
-        if any(other != part and terms.implies(part, other) for other in kept):
+        if any(other != part and unfolding.implications.implies(part, other) for other in kept):
             kept.remove(part)
-    return terms.either(kept)
+    return unfolding.terms.either(kept)

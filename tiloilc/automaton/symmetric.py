@@ -40,12 +40,17 @@ State = Waiting | Serving
 
 
 class Symmetric:
-    """All states of the automaton of one formula."""
+    """All states of the automaton of one formula.
 
-    def __init__(self, unfolding: Unfolding) -> None:
+    `eager`: the deterministic part takes over at the recurrence class, so that no jump is needed
+    there; otherwise only at co-safety, safety and goals, which may take fewer states.
+    """
+
+    def __init__(self, unfolding: Unfolding, eager: bool = True) -> None:
         self.unfolding = unfolding
         self.terms = unfolding.terms
         self.breakpoints = Breakpoints(unfolding)
+        self._ends_waiting = self._in_class if eager else self._simple
 
     def initial(self, formula: Term) -> State | None:
         """The first state; None if the formula is false by propositional reasoning."""
@@ -56,9 +61,20 @@ class Symmetric:
         unfolded = self.unfolding.step(left)
         if unfolded == FALSE:
             return None
-        if self.breakpoints.in_class(unfolded):
+        if self._ends_waiting(unfolded):
             return self.breakpoints.start(unfolded, goals)
-        return Waiting(unfolded, goals)
+        return Waiting(self.unfolding.step_suspended(left), goals)
+
+    def _in_class(self, state: Node) -> bool:
+        """Whether `state` is of the recurrence class."""
+        return all(self.terms.recurrence[t] for t in self.unfolding.left_over(state))
+
+    def _simple(self, state: Node) -> bool:
+        """Whether `state` is made of co-safety and safety formulas."""
+        terms = self.terms
+        return not any(
+            terms.has_least[t] and terms.has_greatest[t] for t in self.unfolding.left_over(state)
+        )
 
     def successors(self, state: State) -> list[tuple[State, bool, Node]]:
         """The edges of `state`: target, whether it accepts, letters."""

@@ -54,7 +54,6 @@ class Terms:
         self.eventual: list[bool] = []
         self.universal: list[bool] = []
         self._index: dict[tuple[str, tuple[Term, ...]], Term] = {}
-        self._implies: dict[tuple[Term, Term], bool] = {}
         self._add("false", ())
         self._add("true", ())
 
@@ -138,9 +137,31 @@ class Terms:
             sign = self.operator[part]
             if sign[0] == "+" and self._index.get((f"-{sign[1:]}", ())) in parts:
                 return absorbing
+        lasting = [t for t in parts if self._merges(name, t)]
+        if len(lasting) > 1:
+            parts = dict.fromkeys(lasting[0] if t in lasting else t for t in parts)
+            inner = [self.operands[self.operands[t][0]][0] for t in lasting]
+            outer, under = ("F", "G") if name == "and" else ("G", "F")
+            merged = self._unary(
+                outer, self._unary(under, self._junction(name, inner, neutral, absorbing))
+            )
+            return self._junction(
+                name, [merged if t == lasting[0] else t for t in parts], neutral, absorbing
+            )
         if len(parts) < 2:
             return next(iter(parts), neutral)
         return self._add(name, tuple(parts))
+
+    def _merges(self, junction: str, term: Term) -> bool:
+        """Whether FG p & FG q, or GF p | GF q, may be one term.
+
+        Goals only where they take a bounded number of letters: longer ones go their own ways.
+        """
+        if junction == "or":
+            goal = self.goal(term)
+            return goal is not None and not self.has_least[goal]
+        inner = self.operands[term][:1]
+        return self.operator[term] == "F" and [self.operator[t] for t in inner] == ["G"]
 
     def suspendable(self, term: Term) -> bool:
         """Whether the truth of `term` on a word never changes as the word goes on."""
@@ -228,6 +249,15 @@ class Terms:
             return self.both([right, self._unary("F", left)])
         return self._add(operator, (left, right))
 
+    def goal(self, term: Term) -> Term | None:
+        """The q of a term "GF q" in which all operators of q are µ; None for other terms."""
+        if self.operator[term] != "G":
+            return None
+        inner = self.operands[term][0]
+        if self.operator[inner] != "F" or self.has_greatest[inner]:
+            return None
+        return self.operands[inner][0]
+
     def formula(self, term: Term) -> Formula:
         """The formula of `term`."""
         name, operands = self.operator[term], self.operands[term]
@@ -242,46 +272,3 @@ class Terms:
         if name in _BINARY:
             return _BINARY[name](inner[0], inner[1])
         return ast.Constant(name == "true")
-
-    def implies(self, left: Term, right: Term) -> bool:
-        """Whether `left` ⟹ `right` by syntax; False says nothing."""
-        if left in (NO, right) or right == YES:
-            return True
-        key = (left, right)
-        if key not in self._implies:
-            self._implies[key] = False
-            self._implies[key] = self._implication(left, right)
-        return self._implies[key]
-
-    def _implication(self, p: Term, q: Term) -> bool:
-        of, said = self.implies, self.operator
-        p_name, q_name = said[p], said[q]
-        p_in, q_in = self.operands[p], self.operands[q]
-        if p_name == "or":
-            return all(of(t, q) for t in p_in)
-        if q_name == "and":
-            return all(of(p, t) for t in q_in)
-        if p_name == "and" and any(of(t, q) for t in p_in):
-            return True
-        if q_name == "or" and any(of(p, t) for t in q_in):
-            return True
-        if q_name in "FUW" and of(p, q_in[-1]):
-            return True
-        if q_name in "RM" and of(p, q_in[0]) and of(p, q_in[1]):
-            return True
-        if p_name in "GRM" and of(p_in[-1], q):
-            return True
-        if p_name in "UW" and of(p_in[0], q) and of(p_in[1], q):
-            return True
-        if p_name in "XFU" and self.eventual[q] and of(p_in[-1], q):
-            return True
-        if p_name == "M" and self.eventual[q] and of(p_in[0], q):
-            return True
-        if q_name in "XGR" and self.universal[p] and of(p, q_in[-1]):
-            return True
-        if q_name == "W" and self.universal[p] and of(p, q_in[0]):
-            return True
-        weaker = {"X": "X", "F": "F", "G": "GR", "U": "UWF", "W": "W", "R": "R", "M": "MR"}
-        if q_name in weaker.get(p_name, "") and len(p_in) == len(q_in):
-            return all(of(s, t) for s, t in zip(p_in, q_in, strict=True))
-        return False

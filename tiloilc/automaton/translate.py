@@ -16,9 +16,14 @@ from tiloilc.automaton.reduce import reduce
 from tiloilc.automaton.symmetric import State, Symmetric, Waiting
 from tiloilc.automaton.terms import Terms
 from tiloilc.automaton.unfolding import Unfolding
+from tiloilc.diag import CompileError
 from tiloilc.ltl.ast import Formula
 
 Acceptance = Literal["state", "edge"]
+
+WORTH_A_GUESS = 8
+"""A deterministic automaton smaller than this is not weighed against one that guesses: an agent
+that need not guess learns more easily, unless it saves half of many states."""
 
 
 def translate(
@@ -36,14 +41,31 @@ def translate(
     Raises CompileError AUT305 when a limit is reached.
     """
     budget = Budget(max_states, timeout)
-    diagrams = Diagrams(budget)
     try:
-        automaton = Symmetric(Unfolding(Terms(propositions, budget), diagrams))
-        draft = reduce(build(automaton, formula), diagrams)
+        draft, diagrams = _construct(formula, propositions, budget, eager=True)
+        if not any(draft.jumps) and len(draft.rows) >= WORTH_A_GUESS:
+            few = budget.share(len(draft.rows))
+            try:
+                guessing, others = _construct(formula, propositions, few, eager=False)
+            except CompileError:
+                if few.is_late:
+                    raise
+            else:
+                if 2 * len(guessing.rows) <= len(draft.rows):
+                    draft, diagrams = guessing, others
         finish = state_based if acceptance == "state" else edge_based
         return finish(draft, tuple(propositions), diagrams)
     except RecursionError:
         raise too_large("its operators are nested too deeply") from None
+
+
+def _construct(
+    formula: Formula, propositions: Sequence[str], budget: Budget, eager: bool
+) -> tuple[Draft, Diagrams]:
+    """The reduced automaton of `formula`, and the manager of its guards."""
+    diagrams = Diagrams(budget)
+    automaton = Symmetric(Unfolding(Terms(propositions, budget), diagrams), eager)
+    return reduce(build(automaton, formula), diagrams), diagrams
 
 
 def build(automaton: Symmetric, formula: Formula) -> Draft:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
+from tiloilc.automaton.implication import Implications
 from tiloilc.automaton.terms import NO, YES, Term, Terms
 
 
@@ -21,11 +22,13 @@ class Unfolding:
     def __init__(self, terms: Terms, diagrams: Diagrams) -> None:
         self.terms = terms
         self.diagrams = diagrams
+        self.implications = Implications(terms)
         self.letters = len(terms.propositions)
         self._variable_terms: list[Term] = []
         self._unfold: dict[Term, Node] = {}
         self._next: dict[Term, Node] = {NO: FALSE, YES: TRUE}
         self._step: dict[Node, Node] = {}
+        self._step_suspended: dict[Node, Node] = {}
         self._before: dict[Node, Node] = {}
 
     def term(self, variable: int) -> Term:
@@ -87,6 +90,18 @@ class Unfolding:
     def step(self, rest: Node) -> Node:
         """The unfolding of what `rest`, a diagram over the "X t", leaves for the next letter."""
         state = self.diagrams.substitute(rest, lambda v: self.unfold(self.term(v)), self._step)
+        self._before.setdefault(state, rest)
+        return state
+
+    def step_suspended(self, rest: Node) -> Node:
+        """As `step`, but "X GF q" stays as it is: its truth does not change as the word goes on."""
+
+        def value(variable: int) -> Node:
+            term = self.term(variable)
+            is_goal = self.terms.goal(term) is not None
+            return self.diagrams.literal(variable) if is_goal else self.unfold(term)
+
+        state = self.diagrams.substitute(rest, value, self._step_suspended)
         self._before.setdefault(state, rest)
         return state
 
