@@ -13,7 +13,7 @@ from hypothesis import given
 from tests.strategies import formulas, lassos, random_formula, random_lasso
 from tiloilc.automaton import Ldba, accepts, to_hoa, translate
 from tiloilc.automaton.bdd import Diagrams
-from tiloilc.automaton.draft import Draft
+from tiloilc.automaton.draft import Draft, reachable
 from tiloilc.automaton.finish import draft_of, edge_based, state_based, with_edge_acceptance
 from tiloilc.automaton.implication import Implications
 from tiloilc.automaton.limits import Budget
@@ -97,40 +97,71 @@ def _nameless(draft: Draft) -> Draft:
     return replace(draft, names=(str,) * len(draft.rows))
 
 
+def agrees_after_every_pass(formula: Formula, generator: random.Random) -> None:
+    """Check the automaton of `formula` on a few words after every pass."""
+    words = [random_lasso(generator, ABC) for _ in range(WORDS_PER_FORMULA)]
+    expected = [holds(formula, word, ABC) for word in words]
+    last = None
+    for name, ldba in stations(formula, ABC):
+        if ldba != last:
+            assert [accepts(ldba, w) for w in words] == expected, f"{to_text(formula)}: {name}"
+        last = ldba
+
+
 @pytest.mark.slow
 def test_no_pass_changes_the_language() -> None:
     generator = random.Random("twenty thousand")
     for _ in range(EXAMPLES // WORDS_PER_FORMULA):
-        formula = random_formula(generator, ABC, MAX_SIZE)
-        words = [random_lasso(generator, ABC) for _ in range(WORDS_PER_FORMULA)]
-        expected = [holds(formula, word, ABC) for word in words]
-        last = None
-        for name, ldba in stations(formula, ABC):
-            if ldba == last:
-                continue
-            last = ldba
-            assert [accepts(ldba, w) for w in words] == expected, f"{to_text(formula)}: {name}"
+        agrees_after_every_pass(random_formula(generator, ABC, MAX_SIZE), generator)
 
 
-def test_no_pass_changes_the_language_of_formulas_that_need_jumps() -> None:
-    """Boolean combinations of FG and GF: the general construction, which random formulas miss."""
-    generator = random.Random("jumps")
+def test_no_pass_changes_the_language_of_a_few_hundred_formulas() -> None:
+    generator = random.Random("a few hundred")
+    for _ in range(400):
+        agrees_after_every_pass(random_formula(generator, ABC, MAX_SIZE), generator)
+
+
+TEMPLATES = (
+    "F ({0} & G {1})",
+    "F (({0}) & G (({1}) | X {2}))",
+    "F G ({0}) | G F ({1})",
+    "(F G ({0}) & G F ({1})) | G ({2})",
+    "F (G (a | ({0})) & ({1}))",
+    "({0}) U G ({1})",
+    "G (({0}) | F G ({1}))",
+    "G F (({0}) & G ({1})) | F ({2})",
+    "F (({0}) & (({1}) W ({2})))",
+    "G (b -> F ({0})) | F G (c & ({1}))",
+    "F G (({0}) M a | ({1}) U c)",
+    "F (b & G (c | (({0}) M ({1}))))",
+    "F (b & G (c | (({0}) U ({1}))))",
+    "(G F ({0}) -> G F ({1})) & (G F ({2}) -> G F a)",
+    "F (a & X F b) | F b & ({0})",
+    "F ({0}) & F (({0}) | ({1})) | F (({0}) & X ({2}))",
+)
+"""Shapes that need the general construction, or of which one part implies another."""
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_no_pass_changes_the_language_of_formulas_that_need_jumps(template: str) -> None:
+    generator = random.Random(template)
+    for _ in range(25):
+        parts = [to_text(random_formula(generator, ABC, 5)) for _ in range(3)]
+        agrees_after_every_pass(parse(template.format(*parts), ABC).formula, generator)
+
+
+def test_jumps_lead_from_a_cycle_to_a_cycle() -> None:
+    generator = random.Random("cycles")
     jumping = 0
-    for _ in range(150):
-        parts = [
-            f"({generator.choice(['F G', 'G F', 'F G', 'G', 'F'])}"
-            f" ({to_text(random_formula(generator, ABC, 3))}))"
-            for _ in range(3)
-        ]
-        inner, outer = generator.choice("&|"), generator.choice("&|")
-        text = f"({parts[0]} {inner} {parts[1]}) {outer} {parts[2]}"
-        formula = parse(text, ABC).formula
-        jumping += bool(translate(formula, ABC).jumps)
-        words = [random_lasso(generator, ABC) for _ in range(WORDS_PER_FORMULA)]
-        expected = [holds(formula, word, ABC) for word in words]
-        for name, ldba in stations(formula, ABC):
-            assert [accepts(ldba, w) for w in words] == expected, f"{text}: {name}"
-    assert jumping > 40
+    for _ in range(300):
+        parts = [to_text(random_formula(generator, ABC, 4)) for _ in range(3)]
+        text = generator.choice(TEMPLATES).format(*parts)
+        ldba = translate(parse(text, ABC).formula, ABC, acceptance="edge")
+        targets = [[edge.target for edge in edges] for edges in ldba.outgoing]
+        jumping += bool(ldba.jumps)
+        for state in {state for jump in ldba.jumps for state in jump}:
+            assert state in reachable(targets, targets[state]), text
+    assert jumping > 50
 
 
 def test_the_written_text_does_not_depend_on_earlier_translations() -> None:
