@@ -1,7 +1,10 @@
 import csv
 import io
 import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import jsonschema
@@ -269,3 +272,25 @@ def test_a_new_task_can_be_a_copy(
 def test_init_refuses_names_that_are_none(run: Run, tmp_path: Path) -> None:
     assert run("init", tmp_path / "a b")[0] == 2
     assert run("init", tmp_path / "x", "--from", "no_such_task")[0] == 2
+
+
+def test_a_new_task_trains(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("init", "fresh", "-q")[0] == 0
+    assert run("compile", "fresh/fresh.yaml", "-q")[0] == 0
+    status, out, err = run("train", "build/fresh", "--steps", "300", "--seeds", "1", "-q")
+    assert status == 0, err
+    assert (tmp_path / out.strip() / "events.jsonl").is_file()
+
+
+def test_the_job_of_a_build_trains_its_plan(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, root: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    run("init", "fresh", "-q")
+    run("compile", "fresh/fresh.yaml", "-q")
+    job = [sys.executable, "build/fresh/job.py", "--steps", "200", "--seeds", "1", "-q"]
+    env = {**os.environ, "PYTHONPATH": str(root)}
+    done = subprocess.run(job, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / done.stdout.strip() / "plan.json").is_file()

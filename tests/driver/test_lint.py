@@ -40,6 +40,7 @@ FORMULA = '"G F r & G !y & G !b"'
         (FORMULA, '"G F r & G !b"', "LTL204", "y"),
         (FORMULA, '"F r & G !r & F (y & b)"', "LTL210", '"F r & G !r & F (y & b)"'),
         (FORMULA, '"F r | G !r | y | b"', "LTL211", '"F r | G !r | y | b"'),
+        (FORMULA, '"G F r & F (r | y) & G !b"', "LTL212", "r | y"),
         (FORMULA, '"G F (r & X F y) & G !b"', "LTL215", "r & X F y"),
         (FORMULA, '"F G y & G !b & F r"', "AUT301", '"F G y & G !b & F r"'),
         (FORMULA, '"F r & F y & G !b"', "PLAN405", '"F r & F y & G !b"'),

@@ -10,7 +10,6 @@ from tiloilc.cli.formulas import Propositions, read, show, split_names
 from tiloilc.diag import CompileError
 
 if TYPE_CHECKING:
-    from tiloilc.ltl import Lasso
     from tiloilc.ltl.ast import Formula
 
 
@@ -43,22 +42,23 @@ def command(
 
 
 def _alone(formula: Formula, names: tuple[str, ...]) -> bool:
+    from tiloilc.automaton import satisfying_word
     from tiloilc.ltl.ast import Not
     from tiloilc.plan.explain import word_text
 
-    model = _word(formula, names)
-    counter = _word(Not(formula), names)
+    model = satisfying_word(formula, names)
+    counter = satisfying_word(Not(formula), names)
     print("satisfiable: " + ("no" if model is None else f"yes, by {word_text(model, names)}"))
     print("valid: " + ("yes" if counter is None else f"no, by {word_text(counter, names)}"))
     return model is not None
 
 
 def _together(first: Formula, second: Formula, names: tuple[str, ...]) -> bool:
-    from tiloilc.ltl.ast import And, Not
+    from tiloilc.automaton import difference_word
     from tiloilc.plan.explain import word_text
 
-    only_first = _word(And((first, Not(second))), names)
-    only_second = _word(And((second, Not(first))), names)
+    only_first = difference_word(first, second, names)
+    only_second = difference_word(second, first, names)
     if only_first is None and only_second is None:
         print("equivalent")
         return True
@@ -72,9 +72,3 @@ def _together(first: Formula, second: Formula, names: tuple[str, ...]) -> bool:
         if word is not None:
             print(f"{who}: {word_text(word, names)}")
     return False
-
-
-def _word(formula: Formula, names: tuple[str, ...]) -> Lasso | None:
-    from tiloilc.automaton import accepted_word, translate
-
-    return accepted_word(translate(formula, names))

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from tiloilc.automaton import is_empty, translate
+from tiloilc.automaton import is_empty, satisfying_word, translate
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import CompileError, Diagnostic, Span
+from tiloilc.driver.vacuity import irrelevant_parts
 from tiloilc.ltl import Parsed, propositions_of, subformulas, to_text
 from tiloilc.ltl.ast import Always, And, Eventually, Formula, Next, Not, Proposition
 
@@ -33,12 +34,16 @@ def unused(parsed: Parsed, spans: Sequence[Span]) -> Iterator[Diagnostic]:
 
 
 def meaning(parsed: Parsed, ldba: Ldba, span: Span) -> Iterator[Diagnostic]:
-    """LTL210, LTL211, LTL215 and AUT301, all at `span`."""
+    """LTL210 to LTL212, LTL215 and AUT301; at `span` where they are about the whole formula."""
     if is_empty(ldba):
         yield Diagnostic.of("LTL210", span)
         return
     if is_tautology(parsed.formula):
         yield Diagnostic.of("LTL211", span)
+        return
+    for part in irrelevant_parts(parsed.formula, parsed.propositions):
+        help = "remove it, or check what was meant"
+        yield Diagnostic.of("LTL212", _place(part, parsed) or span, part=to_text(part), help=help)
     for part in chains(parsed.formula):
         yield Diagnostic.of("LTL215", _place(part, parsed) or span, part=to_text(part))
     if ldba.jumps:
@@ -48,7 +53,7 @@ def meaning(parsed: Parsed, ldba: Ldba, span: Span) -> Iterator[Diagnostic]:
 def is_tautology(formula: Formula) -> bool:
     """Whether every word satisfies `formula`; False where that would take too long to say."""
     try:
-        negated = translate(
+        refuting = satisfying_word(
             Not(formula),
             propositions_of(formula),
             max_states=TAUTOLOGY_STATES,
@@ -56,7 +61,7 @@ def is_tautology(formula: Formula) -> bool:
         )
     except CompileError:
         return False
-    return is_empty(negated)
+    return refuting is None
 
 
 def chains(formula: Formula) -> Iterator[Formula]:

@@ -4,19 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from tiloilc.automaton import accepted_word, guard_text, translate
+from tiloilc.automaton import accepted_word, guard_text, rejected_word
 from tiloilc.automaton.ldba import Cube, Ldba, StateId
-from tiloilc.ltl import Lasso, nnf, parse, subformulas, to_text
-from tiloilc.ltl.ast import (
-    Always,
-    Eventually,
-    Formula,
-    Not,
-    Release,
-    StrongRelease,
-    Until,
-    WeakUntil,
-)
+from tiloilc.ltl import Lasso, is_cosafety, is_safety, nnf, parse, to_text
+from tiloilc.ltl.ast import Formula
 from tiloilc.plan.model import Plan, Stages
 from tiloilc.plan.stages import is_absorbing
 
@@ -31,19 +22,16 @@ def explain(plan: Plan) -> str:
         ["Propositions", *_indented(_predicate_lines(plan))],
         ["Stages", *_indented(stage_lines(plan.ldba, plan.stages))],
         ["Discriminators", *_indented(_buffer_lines(plan.ldba, plan.stages))],
-        ["Words", *_indented(_word_lines(formula, plan.ldba))],
+        ["Words", *_indented(_word_lines(plan.ldba))],
     ]
     return "\n\n".join("\n".join(lines) for lines in paragraphs) + "\n"
 
 
 def kind_of(formula: Formula, ldba: Ldba) -> str:
     """The class of a formula, as far as its form and its automaton show it."""
-    parts = {type(part) for part in subformulas(nnf(formula))}
-    least = bool(parts & {Eventually, Until, StrongRelease})
-    greatest = bool(parts & {Always, WeakUntil, Release})
-    if not least:
+    if is_safety(nnf(formula)):
         return "safety: nothing bad ever happens"
-    if not greatest:
+    if is_cosafety(nnf(formula)):
         return "co-safety: something good happens once, after finitely many steps"
     if ldba.jumps:
         return "beyond deterministic Büchi automata: the agent takes ε-jumps"
@@ -99,10 +87,8 @@ def _buffers(side: Sequence[Sequence[int]], stages: Stages) -> list[str]:
     return names
 
 
-def _word_lines(formula: Formula, ldba: Ldba) -> Iterator[str]:
-    refuting = translate(Not(formula), ldba.propositions)
-    for kind, automaton in (("accepted", ldba), ("rejected", refuting)):
-        word = accepted_word(automaton)
+def _word_lines(ldba: Ldba) -> Iterator[str]:
+    for kind, word in (("accepted", accepted_word(ldba)), ("rejected", rejected_word(ldba))):
         yield f"{kind}: {'none' if word is None else word_text(word, ldba.propositions)}"
 
 
