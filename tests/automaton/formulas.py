@@ -28,4 +28,11 @@ PAPER = {
     "button": Known("F grasp & G F (goal & X F button)", 3, 4),
     "tray": Known("(!tray | F (grasp & X F intray)) & (tray | F (grasp & X F ingoal))", 6, 6),
     "flip": Known("G F (b & X F d)", 2, 3),
+    "sixteen_rooms": Known(
+        "(G F (r12 & X F (r14 & X F (r34 & X F r32)))"
+        " | G F (r31 & X F (r33 & X F (r34 & X F (r44 & X F r43))))) & G !wall",
+        10,
+        12,
+        jumps=2,
+    ),
 }
