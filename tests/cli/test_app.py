@@ -9,6 +9,7 @@ from types import ModuleType
 import pytest
 
 from tests.cli.running import Run, runner
+from tests.driver.specs import spec
 from tiloilc.cli import app
 from tiloilc.cli.app import VERBS, main
 from tiloilc.diag import CompileError, Diagnostic
@@ -92,6 +93,13 @@ def test_the_traceback_of_an_internal_error_is_for_those_who_ask(
     monkeypatch.setenv(app.TRACEBACK, "1")
     with pytest.raises(ZeroDivisionError):
         main(["schema"])
+
+
+def test_a_place_where_nothing_can_be_written_is_the_users_matter(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    status, _, err = run("compile", spec(tmp_path), "-q", "-o", tmp_path / "file" / "out")
+    assert status == 2
+    assert err.startswith("error: cannot use")
 
 
 def test_findings_that_stop_a_verb_go_to_standard_error(

@@ -123,6 +123,12 @@ def test_an_automaton_of_ones_own_is_refused_for_now(tmp_path: Path) -> None:
     assert codes(found) == ["AUT302"]
 
 
+def test_no_names_are_unknown_where_no_propositions_could_be_read(tmp_path: Path) -> None:
+    path = tmp_path / "task.yaml"
+    path.write_text("name: x\npropositions: []\nformula: F a\n", encoding="utf-8")
+    assert not {"LTL203", "LTL204"} & set(codes(lint(path)))
+
+
 def test_a_missing_file_is_a_finding(tmp_path: Path) -> None:
     assert codes(lint(tmp_path / "none.yaml")) == ["SPEC105"]
 

@@ -51,7 +51,7 @@ def build_app(wanted: str | None = None) -> typer.Typer:
         no_args_is_help=True,
         context_settings={"help_option_names": ["-h", "--help"]},
     )
-    app.callback(invoke_without_command=True)(_root)
+    app.callback()(_root)
     for verb in [wanted] if wanted in VERBS else VERBS:
         assert verb is not None
         module = f"tiloilc.cli.{VERBS[verb]}"
@@ -75,7 +75,10 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     except Exception as error:
         if os.environ.get(TRACEBACK):
             raise
-        sys.stderr.write(_internal(error, given))
+        if isinstance(error, OSError) and error.filename is not None:
+            sys.stderr.write(f"error: cannot use `{error.filename}`: {error.strerror}\n")
+        else:
+            sys.stderr.write(_internal(error, given))
         sys.exit(2)
     sys.exit(0)
 

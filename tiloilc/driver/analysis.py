@@ -81,7 +81,8 @@ def analyse(path: str | os.PathLike[str]) -> Analysis:
 
 
 def _parse(document: Document) -> Parsed:
-    return parse(document.value_text("formula"), document.keys("propositions"))
+    """The formula; where no propositions could be read, any name is one."""
+    return parse(document.value_text("formula"), document.keys("propositions") or None)
 
 
 def _automaton(

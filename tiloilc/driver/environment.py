@@ -137,8 +137,8 @@ def _cannot(
 
 def _words(error: BaseException) -> str:
     """The first line of what an exception says."""
-    lines = str(error).strip().splitlines()
-    return lines[0].rstrip(".") if lines else type(error).__name__
+    lines = str(error).partition(" was raised from the environment creator")[0].splitlines()
+    return lines[0].strip().rstrip(".") if lines else type(error).__name__
 
 
 def _unsupported(env: gymnasium.Env[Any, Any]) -> str:
