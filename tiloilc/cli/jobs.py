@@ -149,7 +149,6 @@ def train_job(job: Job, run: Path, resume: bool, quiet: bool) -> float:
     from tiloilc.learn import train
     from tiloilc.plan import digest
 
-    one_thread()
     settings = job.plan.train
     about = {
         "name": job.plan.name,
@@ -186,7 +185,6 @@ def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]
     from tiloilc.driver import write_file
     from tiloilc.evaluate import protocol
 
-    one_thread()
     about = {
         "overrides": job.plan.train.overrides(),
         "wall_seconds": _spent(run),
@@ -203,13 +201,6 @@ def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]
         write_file(run / protocol.TRAJECTORIES, buffer.getvalue())
     write_file(run / protocol.EVAL, protocol.dump(evaluation))
     return evaluation
-
-
-def one_thread() -> None:
-    """Many small products run fastest on one thread, and always give the same sums."""
-    import torch
-
-    torch.set_num_threads(1)
 
 
 def _spent(run: Path) -> float:

@@ -176,14 +176,12 @@ DEFAULT: MappingProxyType[str, object] = MappingProxyType(
         "layer_norm": True,
         "entropy": "tuned",
         "learning_rate": 1.0,
-        "optimistic": True,
         "relabel": True,
     }
 )
 """What was measured to be best on the tasks of the paper that run on numpy."""
 
 PRESETS = MappingProxyType({"default": DEFAULT, "paper": PAPER})
-
 
 
 Train = Settings
