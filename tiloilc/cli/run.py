@@ -20,6 +20,11 @@ from tiloilc.cli.jobs import (
 from tiloilc.cli.train import Resume, Runs, Seeds, Set, Steps
 from tiloilc.cli.verdict import verdict
 
+Record = Annotated[
+    Path | None,
+    typer.Option("--record", metavar="FILE", help="Append a record of each seed to .jsonl.gz."),
+]
+
 
 def command(
     spec: Annotated[
@@ -30,6 +35,7 @@ def command(
     changes: Set = None,
     resume: Resume = False,
     runs: Runs = RUNS,
+    record: Record = None,
     quiet: Quiet = False,
 ) -> None:
     """Compile a task file, train its agents, evaluate them and write the report.
@@ -37,6 +43,7 @@ def command(
     Prints what the policies achieve beside the optimum, and where the report is.
     """
     from tiloilc.driver import compile_spec, write_build
+    from tiloilc.evaluate import append, records_of_run
     from tiloilc.report import write_report
 
     result = compile_spec(spec)
@@ -51,6 +58,8 @@ def command(
         seconds = train_job(job, run, resume, quiet)
         say(f"trained in {seconds:.0f} s; evaluating", quiet)
         evaluation = evaluate_job(job, run, None)
+        if record is not None:
+            append(record, records_of_run(run))
         page = write_report([run], run / "report.html")
     print(verdict(evaluation))
     print(f"report: {page.as_posix()}")
