@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import FrameType
 from typing import TypeAlias
@@ -17,6 +17,7 @@ from tiloilc.demos import DemoSet
 from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.learn.agent import Policy
 from tiloilc.learn.best import Best
+from tiloilc.learn.board import Board
 from tiloilc.learn.checkpoint import load_checkpoint, replace_file, save_checkpoint
 from tiloilc.learn.events import Events
 from tiloilc.learn.job import Labels, make_loop
@@ -79,34 +80,30 @@ def train(
 
     Raises CompileError RUN701 to RUN705.
     """
-    settings = plan.train
-    loop, best, kept = make_loop(plan, demos, labels), Best(settings.seeds), _Kept({})
-    problem = None
-    keep = 0
-    if resume:
-        state, pointer, problem = load_checkpoint(run / CHECKPOINTS, digest(plan))
-        loop.load(under("loop", state))
-        best.load(under("best", state))
-        kept.cloning = under("cloning", state)
-        keep = pointer.events_bytes
+    session = _Session(plan, run, make_loop(plan, demos, labels), Best(plan.train.seeds))
+    problem, kept = session.restore() if resume else (None, 0)
+    settings, loop = plan.train, session.loop
     last = settings.learning_starts if settings.algorithm == "cloning" else settings.steps
-    with Events(run / EVENTS, keep) as events, _interrupts() as stop:
+    with (
+        Events(run / EVENTS, kept) as events,
+        Board(run, loop.step if resume else None) as board,
+        _interrupts() as stop,
+    ):
         if not resume:
             events.write("start", 0, **about)
-        save = _Saver(plan, run, loop, best, kept, events)
         for step in loop.run(last):
             metrics = None
             if _is_due(step, last, plan):
-                metrics = _judge(loop, best, kept, validate, events)
+                metrics = session.judge(validate, events, board)
             watch(Watched(step, last, loop.exploring, loop.tally, metrics))
             if metrics is not None:
                 loop.tally = Tally.empty(settings.seeds, loop.walk.states)
             if step % settings.checkpoint_every == 0 or stop.set or step >= last:
-                save()
+                session.save(events.size())
             if stop.set and step < last:
                 return Outcome(step, last, problem)
         events.write("end", loop.step)
-    _write_policies(run / CHECKPOINTS, best.policy, loop.agent.policy(), kept.cloning)
+    session.write_policies()
     return Outcome(loop.step, last, problem)
 
 
@@ -127,38 +124,67 @@ def load_policy(run: Path, name: str) -> State | None:
 
 
 @dataclass
-class _Kept:
-    """The policy after cloning alone, once there is one."""
-
-    cloning: State
-
-
-@dataclass
 class _Stop:
     """Whether somebody asked to stop."""
 
     set: bool = False
 
 
-@dataclass(frozen=True)
-class _Saver:
-    """Writes a checkpoint of everything."""
+@dataclass
+class _Session:
+    """What a run keeps beside the loop: each seed's best policy, and the cloned one."""
 
     plan: Plan
     run: Path
     loop: Loop
     best: Best
-    kept: _Kept
-    events: Events
+    cloning: State = field(default_factory=dict)
 
-    def __call__(self) -> None:
+    def save(self, events_bytes: int) -> None:
+        """Write a checkpoint of everything, with the length of the event log."""
         state = {
             **with_prefix("loop", self.loop.state()),
             **with_prefix("best", self.best.state()),
-            **with_prefix("cloning", self.kept.cloning),
+            **with_prefix("cloning", self.cloning),
         }
-        size, own = self.events.size(), digest(self.plan)
-        save_checkpoint(self.run / CHECKPOINTS, state, self.loop.step, size, own)
+        folder = self.run / CHECKPOINTS
+        save_checkpoint(folder, state, self.loop.step, events_bytes, digest(self.plan))
+
+    def restore(self) -> tuple[str | None, int]:
+        """Go on from the last checkpoint; why an older one was used, and the log's length then."""
+        state, pointer, problem = load_checkpoint(self.run / CHECKPOINTS, digest(self.plan))
+        self.loop.load(under("loop", state))
+        self.best.load(under("best", state))
+        self.cloning = under("cloning", state)
+        return problem, pointer.events_bytes
+
+    def judge(self, validate: Validate, events: Events, board: Board) -> Metrics:
+        """Validate, log what happened since the last time, and keep what is best."""
+        loop, settings = self.loop, self.plan.train
+        for name, loss in loop.tally.losses.items():
+            if not torch.isfinite(loss).all():
+                problem = f"the {name} loss is not finite"
+                raise CompileError(Diagnostic.of("RUN702", step=loop.step, problem=problem))
+        metrics, happened = validate(loop.agent), loop.tally.event()
+        events.write("train", loop.step, **happened)
+        events.write("eval", loop.step, greedy=metrics)
+        board.write("train", happened, loop.step)
+        board.write("eval", metrics, loop.step)
+        policy = loop.agent.policy()
+        if settings.warm_start != "none" and loop.step == settings.learning_starts:
+            self.cloning = {name: tensor.clone() for name, tensor in policy.items()}
+        if not loop.exploring:
+            visits, violations = metrics["accepting_visits"], metrics["violation_rate"]
+            self.best.offer(policy, [v or 0.0 for v in visits], [v or 0.0 for v in violations])
+        return metrics
+
+    def write_policies(self) -> None:
+        """Write the policies that evaluation reads."""
+        policies = (self.cloning, self.best.policy, self.loop.agent.policy())
+        for name, policy in zip(POLICIES, policies, strict=True):
+            if policy:
+                data = save({k: v.detach().contiguous() for k, v in sorted(policy.items())})
+                replace_file(self.run / CHECKPOINTS / f"{name}.safetensors", data)
 
 
 def _is_due(step: int, last: int, plan: Plan) -> bool:
@@ -166,31 +192,6 @@ def _is_due(step: int, last: int, plan: Plan) -> bool:
     every = plan.evaluate.every or max(plan.train.steps // 20, 1)
     cloned = plan.train.warm_start != "none" and step == plan.train.learning_starts
     return step % every == 0 or cloned or step >= last
-
-
-def _judge(loop: Loop, best: Best, kept: _Kept, validate: Validate, events: Events) -> Metrics:
-    """Validate, log what happened since the last time, and keep what is best."""
-    for name, loss in loop.tally.losses.items():
-        if not torch.isfinite(loss).all():
-            problem = f"the {name} loss is not finite"
-            raise CompileError(Diagnostic.of("RUN702", step=loop.step, problem=problem))
-    metrics = validate(loop.agent)
-    events.write("train", loop.step, **loop.tally.event())
-    events.write("eval", loop.step, greedy=metrics)
-    policy = loop.agent.policy()
-    if loop.step == loop.settings.learning_starts and loop.settings.warm_start != "none":
-        kept.cloning = {name: tensor.clone() for name, tensor in policy.items()}
-    if not loop.exploring:
-        visits, violations = metrics["accepting_visits"], metrics["violation_rate"]
-        best.offer(policy, [v or 0.0 for v in visits], [v or 0.0 for v in violations])
-    return metrics
-
-
-def _write_policies(folder: Path, best: State, last: State, cloning: State) -> None:
-    for name, policy in zip(POLICIES, (cloning, best, last), strict=True):
-        if policy:
-            data = save({k: v.detach().contiguous() for k, v in sorted(policy.items())})
-            replace_file(folder / f"{name}.safetensors", data)
 
 
 @contextmanager
