@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,74 +23,128 @@ Floats = NDArray[np.float32]
 class Copies:
     """`count` copies of an environment: flat float32 observations [n, d], no automatic reset.
 
-    Built on Gymnasium's vector interface with autoreset disabled; an environment that registers a
-    `vector_entry_point` is stepped as one array program, any other one by one.
+    An environment that registers a `vector_entry_point` without automatic reset is stepped as one
+    array program, any other one by one. An environment's own time limit is not applied: how long
+    an episode is, the task says.
     """
 
     def __init__(self, environment: Environment, count: int) -> None:
         import gymnasium as gym
-        from gymnasium.vector import AutoresetMode
 
-        name = _import_module_of(environment.id)
-        batched = gym.spec(name).vector_entry_point is not None
-        extra: dict[str, Any] = (
-            {} if batched else {"vector_kwargs": {"autoreset_mode": AutoresetMode.DISABLED}}
-        )
-        self.vector: VectorEnv[Any, Any, Any] = gym.make_vec(
-            name,
-            num_envs=count,
-            vectorization_mode="vector_entry_point" if batched else "sync",
-            **extra,
-            **environment.kwargs,
-        )
-        if self.vector.metadata.get("autoreset_mode") != AutoresetMode.DISABLED:
-            raise CompileError(Diagnostic.of("JOB607", id=environment.id))
         self.count = count
-        self.observation_space: gym.Space[Any] = self.vector.single_observation_space
-        self.action_space: gym.Space[Any] = self.vector.single_action_space
+        self.name = _import_module_of(environment.id)
+        self.vector = _batched(self.name, environment, count)
+        self.singles: list[gym.Env[Any, Any]] = []
+        if self.vector is None:
+            self.singles = [_single(self.name, environment) for _ in range(count)]
+            self.observation_space = self.singles[0].observation_space
+            self.action_space = self.singles[0].action_space
+        else:
+            self.observation_space = self.vector.single_observation_space
+            self.action_space = self.vector.single_action_space
         self.finite = is_finite(self.observation_space, self.action_space)
         self.dimensions = (
             gym.spaces.flatdim(self.observation_space)
-            if not self.finite
-            else (int(np.prod(self.observation_space.shape or (1,))))
+            if isinstance(self.observation_space, gym.spaces.Dict)
+            else prod(self.observation_space.shape or (1,))
         )
+        self._seen: Floats = np.zeros((count, self.dimensions), dtype=np.float32)
 
     def reset(self, seeds: Sequence[int], mask: NDArray[np.bool_]) -> Floats:
-        """Begin an episode in the copies of `mask`; `seeds` has one entry for each copy."""
-        observations, _ = self.vector.reset(
-            seed=list(seeds),  # type: ignore[arg-type]  # all vector environments take a list
-            options={"reset_mask": mask},
-        )
-        return self._flat(observations)
+        """Begin an episode in the copies of `mask`; `seeds` has one entry for each copy.
+
+        Returns the observations of all copies, [n, d].
+        """
+        if self.vector is not None:
+            observations, _ = self.vector.reset(
+                seed=list(seeds),  # type: ignore[arg-type]  # all vector environments take a list
+                options={"reset_mask": mask},
+            )
+            return self._flat(observations)
+        for i in np.flatnonzero(mask).tolist():
+            self._seen[i] = self._flat_single(self.singles[i].reset(seed=int(seeds[i]))[0])
+        return self._seen.copy()
 
     def step(self, actions: NDArray[Any]) -> tuple[Floats, NDArray[np.bool_]]:
-        """Step all copies: observations [n, d] and who has terminated [n]."""
-        observations, _, terminated, _, _ = self.vector.step(actions)
-        return self._flat(observations), np.asarray(terminated, dtype=np.bool_)
+        """Step all copies: observations [n, d] and who has terminated [n].
+
+        A copy that has terminated must be reset before the next step.
+        """
+        if self.vector is not None:
+            observations, _, terminated, _, _ = self.vector.step(actions)
+            return self._flat(observations), np.asarray(terminated, dtype=np.bool_)
+        ended = np.zeros(self.count, dtype=np.bool_)
+        for i, (single, action) in enumerate(zip(self.singles, actions, strict=True)):
+            observation, _, terminated, _, _ = single.step(action)
+            self._seen[i] = self._flat_single(observation)
+            ended[i] = terminated
+        return self._seen.copy(), ended
 
     def close(self) -> None:
         """Give the environments back."""
-        self.vector.close()
+        if self.vector is not None:
+            self.vector.close()
+        for single in self.singles:
+            single.close()
 
     def _flat(self, observations: Any) -> Floats:
         if isinstance(observations, dict):
-            from gymnasium.spaces.utils import flatten
-
             singles = [{k: v[i] for k, v in observations.items()} for i in range(self.count)]
-            rows = [flatten(self.observation_space, single) for single in singles]
-            return np.asarray(rows, dtype=np.float32)
+            return np.stack([self._flat_single(single) for single in singles])
         return np.array(observations, dtype=np.float32).reshape(self.count, -1)
+
+    def _flat_single(self, observation: Any) -> Floats:
+        from gymnasium.spaces.utils import flatten
+
+        if isinstance(observation, dict):
+            observation = flatten(self.observation_space, observation)
+        return np.asarray(observation, dtype=np.float32).reshape(-1)
 
 
 def is_finite(observation_space: gym.Space[Any], action_space: gym.Space[Any]) -> bool:
     """Whether both spaces are finite, so that values fit a table."""
     from gymnasium import spaces
 
-    whole = isinstance(observation_space, spaces.Discrete | spaces.MultiDiscrete) or (
+    whole = isinstance(
+        observation_space, spaces.Discrete | spaces.MultiDiscrete | spaces.MultiBinary
+    ) or (
         isinstance(observation_space, spaces.Box)
         and np.issubdtype(observation_space.dtype, np.integer)
     )
     return whole and isinstance(action_space, spaces.Discrete)
+
+
+def _batched(name: str, environment: Environment, count: int) -> VectorEnv[Any, Any, Any] | None:
+    """The environment's own batched form, None if it has none that leaves resets to us.
+
+    Raises CompileError JOB607 if that is the only form it has.
+    """
+    import gymnasium as gym
+    from gymnasium.vector import AutoresetMode
+
+    spec = gym.spec(name)
+    if spec.vector_entry_point is None:
+        return None
+    vector: VectorEnv[Any, Any, Any] = gym.make_vec(
+        name,
+        num_envs=count,
+        vectorization_mode="vector_entry_point",
+        **environment.kwargs,
+    )
+    if vector.metadata.get("autoreset_mode") == AutoresetMode.DISABLED:
+        return vector
+    vector.close()
+    if spec.entry_point is None:
+        raise CompileError(Diagnostic.of("JOB607", id=environment.id))
+    return None
+
+
+def _single(name: str, environment: Environment) -> gym.Env[Any, Any]:
+    """One copy, without a time limit of its own and without the checks of every step."""
+    import gymnasium as gym
+
+    unlimited = {"max_episode_steps": -1, "disable_env_checker": True}
+    return gym.make(name, **{**unlimited, **environment.kwargs})
 
 
 def _import_module_of(name: str) -> str:

@@ -1,0 +1,76 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.plan.automata import automaton, chain, flatworld_cycle, stabilization
+from tiloilc.automaton.ldba import Ldba
+from tiloilc.diag import CompileError
+from tiloilc.product import walk_tables
+from tiloilc.product.walk import MAX_PROPOSITIONS
+
+
+@st.composite
+def automata(draw: st.DrawFn) -> Ldba:
+    """Any complete automaton with up to 5 states, 3 propositions, a sink and jumps perhaps."""
+    states = draw(st.integers(1, 5))
+    names = ["p", "q", "r"][: draw(st.integers(0, 3))]
+    sink = states - 1 if states > 1 and draw(st.booleans()) else None
+    table = draw(
+        st.lists(
+            st.lists(st.integers(0, states - 1), min_size=8, max_size=8),
+            min_size=states,
+            max_size=states,
+        )
+    )
+    live = [b for b in range(states) if b != sink]
+    pairs = st.tuples(st.sampled_from(live), st.sampled_from(live))
+    jumps = draw(st.lists(pairs.filter(lambda p: p[0] != p[1]), max_size=4, unique=True))
+
+    def step(b: int, true: set[str]) -> int:
+        return table[b][sum(1 << names.index(name) for name in true)]
+
+    accepting = set(draw(st.lists(st.sampled_from(live), max_size=2)))
+    return automaton(names, states, step, accepting, sink, sorted(jumps))
+
+
+@given(automata())
+def test_the_table_offers_what_the_automaton_offers(ldba: Ldba) -> None:
+    walk = walk_tables(ldba)
+    assert walk.options.dtype == np.int64
+    for b in ldba.states:
+        for letter in range(1 << len(ldba.propositions)):
+            row = walk.options[b, letter].tolist()
+            offered = ldba.options(b, letter)
+            assert tuple(dict.fromkeys(row)) == offered
+            assert row[len(offered) :] == [offered[0]] * (walk.width - len(offered))
+    assert set(np.flatnonzero(walk.accepting)) == set(ldba.accepting)
+
+
+def test_nobody_is_offered_to_jump_into_the_sink_or_out_of_it() -> None:
+    ldba = stabilization()
+    walk = walk_tables(ldba)
+    nothing, yellow, blue = ldba.letter([]), ldba.letter(["y"]), ldba.letter(["b"])
+    assert walk.options[0, yellow].tolist() == [0, 1]
+    assert walk.options[0, nothing].tolist() == [0, 0]  # the jump would be dead: y is not there
+    assert walk.options[0, blue].tolist() == [2, 2]
+    assert (walk.options[2] == 2).all()
+
+
+def test_without_jumps_there_is_nothing_to_choose() -> None:
+    walk = walk_tables(flatworld_cycle())
+    assert not walk.chooses
+    assert walk.width == 1
+    assert walk_tables(stabilization()).chooses
+
+
+def test_an_automaton_without_sink_has_sink_minus_one() -> None:
+    assert walk_tables(chain(["a"])).sink == -1
+    assert walk_tables(stabilization()).sink == 2
+
+
+def test_too_many_propositions_for_a_table_are_a_finding() -> None:
+    names = tuple(f"p{i}" for i in range(MAX_PROPOSITIONS + 1))
+    ldba = Ldba(names, ("state 0",), frozenset({0}), None, ())
+    with pytest.raises(CompileError, match="JOB606"):
+        walk_tables(ldba)
