@@ -14,7 +14,7 @@ STAMP  := $(VENV)/.installed
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) -ra --durations=10
 
 .DELETE_ON_ERROR:
-.PHONY: help setup run test quick check format constraints clean
+.PHONY: help setup run records results test quick check format constraints clean
 
 help:  ## list the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
@@ -31,6 +31,14 @@ $(STAMP): pyproject.toml constraints.txt
 
 run: $(STAMP)  ## the main job: compile, train, evaluate and report SPEC (FlatWorld Cycle)
 	$(BIN)/tiloilc run $(SPEC)
+
+records: $(STAMP)  ## train every task of specs/ and add its records to results/
+	for spec in specs/*.yaml; do \
+	  $(BIN)/tiloilc run "$$spec" --record "results/$$(basename "$$spec" .yaml).jsonl.gz" || exit 1; \
+	done
+
+results: $(STAMP)  ## write docs/results.md from the records in results/
+	$(BIN)/python -m tiloilc.report.results results docs/results.md
 
 test: $(STAMP)  ## all tests, the slow ones too
 	$(PYTEST)
