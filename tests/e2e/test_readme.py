@@ -25,6 +25,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.e2e.conftest import Run
+
 COPIED = ("specs", "examples", "results", "tasks", "README.md", "pyproject.toml")
 """What of the checkout the commands find in their folder."""
 
@@ -131,6 +133,25 @@ def test_no_block_escapes_the_harness(page: str, root: Path) -> None:
     assert all(opened), "a block without a language"
     assert {"sh", "shell", "zsh", "shell-session"}.isdisjoint(opened), "say console or bash"
     assert sum(language in ("console", "bash") for language in opened) == len(blocks(text))
+
+
+@pytest.mark.parametrize("page", [*PAGES, "CONTRIBUTING.md", "CHANGELOG.md", "examples/README.md"])
+def test_every_link_into_the_checkout_leads_somewhere(page: str, root: Path) -> None:
+    text = (root / page).read_text(encoding="utf-8")
+    targets = re.findall(r"\]\(([^)#\s]+)", text)
+    inside = [target for target in targets if "://" not in target]
+    assert [target for target in inside if not (root / page).parent.joinpath(target).exists()] == []
+
+
+def test_the_task_files_of_the_readme_are_without_findings(
+    root: Path, tmp_path: Path, tiloilc: Run
+) -> None:
+    text = (root / "README.md").read_text(encoding="utf-8")
+    tasks = re.findall(r"^```yaml\n(name:.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    assert tasks
+    for number, task in enumerate(tasks):
+        (tmp_path / f"{number}.yaml").write_text(task, encoding="utf-8")
+        tiloilc("lint", "--deny", "warnings", f"{number}.yaml", cwd=tmp_path)
 
 
 def test_blocks_are_read_with_their_marks_and_without_their_output() -> None:
