@@ -51,8 +51,8 @@ class Agent(Policy, Protocol):
     def finish(self, over: NDArray[np.bool_], length: Int) -> None:
         """The episodes of the copies in `over` have ended after `length` steps."""
 
-    def begin(self) -> None:
-        """The random steps are over."""
+    def begin(self) -> bool:
+        """The random steps are over; whether a policy was cloned from demonstrations."""
 
     def learn(self, progress: float) -> dict[str, Tensor]:
         """One update, `progress` environment steps into learning; losses [seed] by name."""

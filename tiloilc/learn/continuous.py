@@ -117,16 +117,16 @@ class SacAgent:
     def finish(self, over: NDArray[np.bool_], length: Int) -> None:
         """Episodes have ended: transitions are all that matters here."""
 
-    def begin(self) -> None:
+    def begin(self) -> bool:
         """The random steps are over: give the demonstrations actions and clone them."""
         self.demo_rows = self._demonstration_rows()
-        if self.demo_rows is None:
-            return
-        if self.settings.warm_start == "bc":
-            batch = self.layout.unpack(self.demo_rows)
-            x = self.encode(batch.observation, batch.state)
-            clone(self.sac, x, batch.action, self.generator)
-            self.sac.reset_optimisers()
+        if self.demo_rows is None or self.settings.warm_start == "none":
+            return False
+        batch = self.layout.unpack(self.demo_rows)
+        x = self.encode(batch.observation, batch.state)
+        clone(self.sac, x, batch.action, self.generator)
+        self.sac.reset_optimisers()
+        return True
 
     def _demonstration_rows(self) -> Tensor | None:
         shown, seeds = self.shown, self.settings.seeds

@@ -19,7 +19,10 @@ from tiloilc.spec.settings import Settings
 
 
 class Loop:
-    """The state of one training run between two environment steps."""
+    """The state of one training run between two environment steps.
+
+    `cloned` says whether this program began learning with a policy cloned from demonstrations.
+    """
 
     def __init__(
         self,
@@ -38,6 +41,7 @@ class Loop:
         self.rng = np.random.default_rng([settings.first_seed, settings.seeds])
         self.step = 0
         self.debt = 0.0
+        self.cloned = False
         self.episodes: Int = np.zeros(copies.count, dtype=np.int64)
         self.actions: NDArray[Any] | None = None
         self.tally = Tally.empty(settings.seeds, walk.states)
@@ -52,14 +56,14 @@ class Loop:
         if self.step == 0:
             self._reset(np.ones(self.product.copies.count, dtype=np.bool_))
             if not self.exploring:
-                self.agent.begin()
+                self.cloned = self.agent.begin()
         while self.step < until:
             exploring = self.exploring
             self._collect()
             if not exploring:
                 self._learn()
             elif not self.exploring:
-                self.agent.begin()
+                self.cloned = self.agent.begin()
             yield self.step
 
     def _collect(self) -> None:
@@ -171,20 +175,25 @@ class Loop:
         self._replay()
 
     def _replay(self) -> None:
-        """Bring the environments to where they were: begin each episode late enough and act."""
+        """Bring the environments to where they were: begin each episode late enough and act.
+
+        Copies that wait for their time are reset again and again, so that none is stepped past an
+        end. Raises CompileError RUN705 if an environment does not repeat itself.
+        """
         product = self.product
         elapsed, longest = product.elapsed, int(product.elapsed.max())
         seeds = self._seeds(self.episodes - 1)
         rows = np.arange(product.copies.count)
         assert self.actions is not None
+        observations = product.observations
         for k in range(longest + 1):
-            begins = elapsed == longest - k
-            if begins.any():
-                product.copies.reset(seeds, begins)
+            waiting = elapsed <= longest - k
+            if waiting.any():
+                observations = product.copies.reset(seeds, waiting)
             if k < longest:
                 played = np.maximum(k - (longest - elapsed), 0)
                 observations, _ = product.copies.step(self.actions[rows, played])
-        if longest and not np.array_equal(observations, product.observations):
+        if not np.array_equal(observations, product.observations):
             raise CompileError(Diagnostic.of("RUN705"))
 
     def _seeds(self, episodes: Int) -> list[int]:

@@ -181,8 +181,9 @@ class TabularAgent:
         cells = torch.from_numpy(self._cells(observations))
         self.discriminators.counts[seed, buffer] += torch.bincount(cells, minlength=self.q.shape[1])
 
-    def begin(self) -> None:
-        """Nothing is prepared: what was collected at random is learned with the next episode."""
+    def begin(self) -> bool:
+        """Nothing is cloned; what was collected at random is learned with the next episode."""
+        return False
 
     def learn(self, progress: float) -> dict[str, Tensor]:
         """Learn the latest step, or backwards the episodes that it ended; how far Q moved."""

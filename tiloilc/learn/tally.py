@@ -45,7 +45,7 @@ class Tally:
             "visits": _ratios(self.visits, ended),
             "violations": _ratios(self.violations, ended),
             "stage_histogram": self.occupancy.tolist(),
-            "losses": {name: (loss / updates).tolist() for name, loss in self.losses.items()},
+            "losses": {n: (self.losses[n] / updates).tolist() for n in sorted(self.losses)},
         }
 
     def state(self) -> State:

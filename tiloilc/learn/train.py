@@ -93,7 +93,7 @@ def train(
             events.write("start", 0, **about)
         for step in loop.run(last):
             metrics = None
-            if _is_due(step, last, plan):
+            if _is_due(step, last, plan, session.has_just_cloned):
                 metrics = session.judge(validate, events, board)
             watch(Watched(step, last, loop.exploring, loop.tally, metrics))
             if metrics is not None:
@@ -140,6 +140,11 @@ class _Session:
     best: Best
     cloning: State = field(default_factory=dict)
 
+    @property
+    def has_just_cloned(self) -> bool:
+        """Whether the policy is what cloning made of it, before any learning."""
+        return self.loop.cloned and self.loop.step == self.plan.train.learning_starts
+
     def save(self, events_bytes: int) -> None:
         """Write a checkpoint of everything, with the length of the event log."""
         state = {
@@ -160,7 +165,7 @@ class _Session:
 
     def judge(self, validate: Validate, events: Events, board: Board) -> Metrics:
         """Validate, log what happened since the last time, and keep what is best."""
-        loop, settings = self.loop, self.plan.train
+        loop = self.loop
         for name, loss in loop.tally.losses.items():
             if not torch.isfinite(loss).all():
                 problem = f"the {name} loss is not finite"
@@ -171,7 +176,7 @@ class _Session:
         board.write("train", happened, loop.step)
         board.write("eval", metrics, loop.step)
         policy = loop.agent.policy()
-        if settings.warm_start != "none" and loop.step == settings.learning_starts:
+        if self.has_just_cloned:
             self.cloning = {name: tensor.clone() for name, tensor in policy.items()}
         if not loop.exploring:
             visits, violations = metrics["accepting_visits"], metrics["violation_rate"]
@@ -187,10 +192,9 @@ class _Session:
                 replace_file(self.run / CHECKPOINTS / f"{name}.safetensors", data)
 
 
-def _is_due(step: int, last: int, plan: Plan) -> bool:
+def _is_due(step: int, last: int, plan: Plan, cloned: bool) -> bool:
     """Whether the policy is judged after `step`: regularly, after cloning, at the end."""
     every = plan.evaluate.every or max(plan.train.steps // 20, 1)
-    cloned = plan.train.warm_start != "none" and step == plan.train.learning_starts
     return step % every == 0 or cloned or step >= last
 
 

@@ -32,11 +32,11 @@ class Copies:
         import gymnasium as gym
 
         self.count = count
-        self.name = _import_module_of(environment.id)
-        self.vector = _batched(self.name, environment, count)
+        name = _import_module_of(environment.id)
+        self.vector = _batched(name, environment, count)
         self.singles: list[gym.Env[Any, Any]] = []
         if self.vector is None:
-            self.singles = [_single(self.name, environment) for _ in range(count)]
+            self.singles = [_single(name, environment) for _ in range(count)]
             self.observation_space = self.singles[0].observation_space
             self.action_space = self.singles[0].action_space
         else:
