@@ -24,9 +24,9 @@ def command(
     ] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Evaluate the policies of a finished run and print what they achieve.
+    """Evaluate the policies of a finished run.
 
-    Greedy and sampled actions are both judged and written to eval.json.
+    Prints what they achieve beside the optimum. Greedy and sampled actions are both judged and written to eval.json.
     """
     with open_job(run) as job:
         evaluation = evaluate_job(job, run, episodes)

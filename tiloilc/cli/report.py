@@ -25,9 +25,9 @@ Out = Annotated[
 
 
 def command(runs: Runs, output: Out = None, quiet: Quiet = False) -> None:
-    """Write one HTML page of a run, or of several side by side, and print its path.
+    """Write one HTML page of one or several runs.
 
-    Curves with intervals, the automaton, stage occupancy, trajectories, settings and how to
+    Prints its path. Curves with intervals, the automaton, stage occupancy, trajectories, settings and how to
     reproduce them; the page needs no network.
     """
     for run in runs:

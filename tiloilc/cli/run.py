@@ -38,7 +38,7 @@ def command(
     record: Record = None,
     quiet: Quiet = False,
 ) -> None:
-    """Compile a task file, train its agents, evaluate them and write the report.
+    """Compile, train, evaluate and report in one go.
 
     Prints what the policies achieve beside the optimum, and where the report is.
     """

@@ -33,9 +33,9 @@ def command(
     runs: Runs = RUNS,
     quiet: Quiet = False,
 ) -> None:
-    """Train the agents of a compiled plan, all seeds at once, and print the run folder.
+    """Train the agents of a compiled plan.
 
-    Ctrl-C writes a checkpoint and says how to go on.
+    All seeds learn in one program. Prints the run folder. Ctrl-C writes a checkpoint and says how to go on.
     """
     with open_job(plan, settings_given(changes or [], steps, seeds)) as job:
         run = run_to_resume(plan, job, runs) if resume else new_run(job, runs)
