@@ -133,6 +133,9 @@ def test_no_block_escapes_the_harness(page: str, root: Path) -> None:
     assert all(opened), "a block without a language"
     assert {"sh", "shell", "zsh", "shell-session"}.isdisjoint(opened), "say console or bash"
     assert sum(language in ("console", "bash") for language in opened) == len(blocks(text))
+    others = re.findall(r"^```(?!console|bash)\w+\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    command = re.compile(r"^(\$ |make |pip |python |tiloilc )", re.MULTILINE)
+    assert [block for block in others if command.search(block)] == [], "commands in another block"
 
 
 @pytest.mark.parametrize("page", [*PAGES, "CONTRIBUTING.md", "CHANGELOG.md", "examples/README.md"])
