@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tiloilc.demos import DemoSet
+from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate.metrics import EpisodeMetrics, measure
 from tiloilc.evaluate.optimum import Optimum, task_optimum
 from tiloilc.evaluate.rollout import Arena, Rollout
@@ -64,8 +65,13 @@ def evaluate_run(
     """Judge what a finished run left: the fields of `eval.json` and the arrays of trajectories.
 
     `greedy` and `stochastic` are of each seed's best policy by validation, `last` of the one at the
-    end, `cloning` of the one before learning. Raises CompileError RUN701 if nothing is left.
+    end, `cloning` of the one before learning.
+
+    Raises CompileError RUN706 if the run is not finished, RUN701 if a policy cannot be read.
     """
+    if load_policy(run, "last") is None:
+        help = f"tiloilc train {run.as_posix()} --resume"
+        raise CompileError(Diagnostic.of("RUN706", help=help, path=run.as_posix()))
     arena = Arena(plan, labels, episodes)
     agent = make_loop(plan, demos, labels).agent
     seeds = range(EVALUATION, EVALUATION + episodes)

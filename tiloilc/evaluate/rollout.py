@@ -17,8 +17,10 @@ from tiloilc.product import Copies, Floats, Int, Product, walk_tables
 class Rollout:
     """What happened in each episode of each seed, the state after the reset included.
 
+    An episode that its environment ends early stays where it ended, but accepts no more.
+
     observations  float32 [seed, T+1, d], of the first episode of each seed
-    states        int [seed, episode, T+1], automaton states; a terminated episode repeats its last
+    states        int [seed, episode, T+1], automaton states
     accepting     bool [seed, episode, T+1]
     sink          bool [seed, episode, T+1]
     """
@@ -48,19 +50,23 @@ class Arena:
             return policy.choose(*by_seed, greedy).reshape(-1)
 
         product = Product(self.copies, self.labels, self.walk, choose)
-        product.reset(list(episode_seeds) * seeds, np.ones(count, dtype=np.bool_))
-        observations = [product.observations.reshape(*self.shape, -1)[:, 0]]
-        states = [product.states]
-        over = np.zeros(count, dtype=np.bool_)
-        frozen = product.states
-        for _ in range(horizon):
+        by_copy = np.array(list(episode_seeds) * seeds)
+        product.reset(by_copy.tolist(), np.ones(count, dtype=np.bool_))
+        shown = [product.observations]
+        states, over = [product.states], [np.zeros(count, dtype=np.bool_)]
+        ended = over[0]
+        for t in range(horizon):
             seen = product.observations.reshape(*self.shape, -1)
             actions = policy.act(seen, product.states.reshape(self.shape), greedy)
             terminated = product.step(actions.reshape(count, *actions.shape[2:]))
-            frozen = np.where(over, frozen, product.states)
-            over = over | terminated
-            observations.append(product.observations.reshape(*self.shape, -1)[:, 0])
-            states.append(frozen)
+            shown.append(np.where(ended[:, None], shown[-1], product.observations))
+            states.append(np.where(ended, states[-1], product.states))
+            over.append(ended)
+            ended = ended | terminated
+            if terminated.any() and t + 1 < horizon:  # nobody looks at what follows
+                product.reset(by_copy.tolist(), terminated)
         path = np.stack(states, axis=1).reshape(*self.shape, horizon + 1)
-        accepting = self.walk.accepting[path]
-        return Rollout(np.stack(observations, axis=1), path, accepting, path == self.walk.sink)
+        late = np.stack(over, axis=1).reshape(path.shape)
+        observations = np.stack(shown, axis=1).reshape(*path.shape, -1)[:, 0]
+        accepting = self.walk.accepting[path] & ~late
+        return Rollout(observations, path, accepting, path == self.walk.sink)
