@@ -106,7 +106,10 @@ class TabularAgent:
         self.first_action, self.actions = int(action_space.start), int(action_space.n)
         cells = int(np.prod(self.sizes))
         self.table = StageTable.of(stages, walk, settings)
-        first = 1 / (1 - settings.gamma) if settings.optimistic else 0.0
+        optimistic = settings.optimistic
+        if optimistic == "auto":
+            optimistic = settings.demo_replay == 0 or len(shown.observation) == 0
+        first = 1 / (1 - settings.gamma) if optimistic else 0.0
         self.q = torch.full((settings.seeds, cells, walk.states, self.actions), first)
         self.discriminators = CountDiscriminators(
             stages, cells, self._cells(shown.positive), settings

@@ -83,7 +83,10 @@ class Settings(Model):
 
     learning_rate: Positive = Field(description="step size of tabular Q-learning", le=1)
     exploration: Share = Field(description="share of random actions in tabular Q-learning")
-    optimistic: bool = Field(description="tabular Q-learning begins with the greatest value")
+    optimistic: Literal["auto"] | bool = Field(
+        description="tabular Q-learning begins with the greatest value; auto: if there are no "
+        "demonstrations to follow"
+    )
     relabel: bool = Field(
         description="tabular Q-learning learns each step for every live automaton state"
     )
@@ -176,6 +179,7 @@ DEFAULT: MappingProxyType[str, object] = MappingProxyType(
         "layer_norm": True,
         "entropy": "tuned",
         "learning_rate": 1.0,
+        "optimistic": "auto",
         "relabel": True,
     }
 )
