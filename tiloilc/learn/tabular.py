@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -286,6 +287,8 @@ def _cells_of(space: Space[Any]) -> tuple[Int, Int]:
         return np.array([space.start]), np.array([space.n])
     if isinstance(space, spaces.MultiDiscrete):
         return space.start.reshape(-1).astype(np.int64), space.nvec.reshape(-1).astype(np.int64)
+    if isinstance(space, spaces.MultiBinary):
+        return np.zeros(space.shape, np.int64).reshape(-1), np.full(prod(space.shape), 2)
     assert isinstance(space, spaces.Box)
     low = space.low.reshape(-1).astype(np.int64)
     return low, space.high.reshape(-1).astype(np.int64) - low + 1

@@ -107,4 +107,5 @@ def tiloil_target(
     after = torch.where(table.accepting[options], soft_value, most)
     after = torch.where(table.sink[options], lost, after).amax(-1)
     stays = table.accepting[state] & (table.code[state] == state)
+    after = torch.where(over, lost, after)
     return torch.where(stays, 1 + settings.gamma * after, target)
