@@ -32,7 +32,7 @@ def spec(folder: Path, *changes: tuple[str, str], name: str = "task.yaml") -> Pa
 ENVIRONMENT = """\
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Dict, Discrete
+from gymnasium.spaces import Box, Dict
 
 
 class Own(gymnasium.Env):
@@ -41,7 +41,7 @@ class Own(gymnasium.Env):
     def __init__(self, seen=None):
         parts = {"speed": Box(-1, 1, (1,)), "place": Box(-2, 2, (2,))}
         self.observation_space = Dict(parts) if seen is None else seen
-        self.action_space = Discrete(2)
+        self.action_space = Box(-1, 1, (1,))
 
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)

@@ -1,3 +1,5 @@
+import sys
+import warnings
 from pathlib import Path
 
 import pytest
@@ -149,3 +151,131 @@ def test_python_predicates_are_found_beside_the_task_file(tmp_path: Path) -> Non
     (finding,) = lint(bad)
     assert finding.code == "SPEC117"
     assert excerpt(bad, finding) == "labels.py:neat"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        (FORMULA, "[a]", "SPEC1"),
+        (FORMULA, "{a: b}", "SPEC1"),
+        (FORMULA, '""', "SPEC103"),
+        ("norm(pos) < 0.8", "{python: [1]}", "SPEC103"),
+        ("b: norm(pos) < 0.8", "b:", "SPEC103"),
+    ],
+)
+def test_a_value_of_the_wrong_kind_is_one_finding(
+    tmp_path: Path, old: str, new: str, code: str
+) -> None:
+    found = [d for d in lint(spec(tmp_path, (old, new))) if d.severity is Severity.ERROR]
+    assert [d.code[: len(code)] for d in found] == [code]
+
+
+TROUBLE = """\
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Discrete
+
+class Base(gymnasium.Env):
+    observation_space = Box(-1, 1, (2,))
+    action_space = Box(-1, 1, (1,))
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return np.zeros(2, np.float32), {}
+
+    def step(self, action):
+        return np.zeros(2, np.float32), 0.0, False, False, {}
+
+class Raises(Base):
+    def step(self, action):
+        raise KeyError("missing")
+
+class Old(Base):
+    def step(self, action):
+        return np.zeros(2, np.float32), 0.0, False, {}
+
+class Wide(Base):
+    def step(self, action):
+        return np.zeros(3, np.float32), 0.0, False, False, {}
+
+class Exits(Base):
+    def __init__(self):
+        raise SystemExit(3)
+
+class Fields(Base):
+    observation_fields = {"far": 7}
+
+class Listed(Base):
+    observation_fields = ["far"]
+
+class Fixed(Base):
+    action_space = Box(np.array([0, 1], np.float32), np.array([1, 1], np.float32))
+
+class Numbered(Base):
+    action_space = Discrete(2)
+
+class Picture(Numbered):
+    observation_space = Box(0, 255, (8, 8, 3), np.uint8)
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return np.zeros((8, 8, 3), np.uint8), {}
+
+    def step(self, action):
+        return np.zeros((8, 8, 3), np.uint8), 0.0, False, False, {}
+
+for kind in (Raises, Old, Wide, Exits, Fields, Listed, Fixed, Numbered, Picture):
+    gymnasium.register(kind.__name__ + "-v0", entry_point=kind)
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "said"),
+    [
+        ("Raises", "JOB600", "`step()` fails: KeyError: 'missing'"),
+        ("Old", "JOB600", "`step()` fails"),
+        ("Wide", "JOB600", "an observation of 3 numbers, not 2"),
+        ("Exits", "JOB600", "it ends the program"),
+        ("Fields", "JOB600", "`far` is outside the 2 components"),
+        ("Listed", "JOB600", "observation_fields"),
+        ("Fixed", "JOB602", "actions that cannot vary"),
+        ("Numbered", "JOB608", "Discrete(2)"),
+        ("Picture", "JOB608", "uint8"),
+    ],
+)
+def test_what_training_would_stumble_over_is_found_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, code: str, said: str
+) -> None:
+    monkeypatch.delitem(sys.modules, "trouble", raising=False)
+    (tmp_path / "trouble.py").write_text(TROUBLE, encoding="utf-8")
+    path = spec(
+        tmp_path,
+        ("tiloilc/FlatWorld-v0", f"trouble:{name}-v0"),
+        ("propositions:", "observation: {pos: [0, 2]}\npropositions:"),
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # each test registers them anew
+        (finding,) = [d for d in lint(path) if d.severity is Severity.ERROR]
+    assert finding.code == code
+    assert said in finding.message
+    assert excerpt(path, finding) == f"trouble:{name}-v0"
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("raise ValueError('bad')", "it raised ValueError: bad"),
+        ("return observations[:, 0]", "it returned float64 [4] for observations [4, 2]"),
+        ("return True", "it returned bool []"),
+        ("observations[:] = 0", "read-only"),
+        ("raise SystemExit(5)", "it raised SystemExit"),
+    ],
+)
+def test_a_python_predicate_is_tried(tmp_path: Path, body: str, said: str) -> None:
+    text = f"def near(observations):\n    {body}\n"
+    (tmp_path / "near.py").write_text(text, encoding="utf-8")
+    path = spec(tmp_path, ("norm(pos) < 0.8", '{python: "near.py:near"}'))
+    (finding,) = lint(path)
+    assert finding.code == "SPEC117"
+    assert said in finding.message
+    assert excerpt(path, finding) == "near.py:near"

@@ -566,5 +566,13 @@ RULES: dict[str, Rule] = _rules(
         "the run `{path}` has no finished policy",
         "Policies are written when training ends. An interrupted run goes on with --resume.",
     ),
+    Rule(
+        "RUN707",
+        E,
+        "environment-failed",
+        "the environment `{id}` failed: {problem}",
+        "The environment raised an exception while it was used, or returned something that is no "
+        "observation of its own space. The last checkpoint is intact; correct the environment.",
+    ),
 )
 """All rules by code, in the order of their codes."""

@@ -58,7 +58,7 @@ def analyse(path: str | os.PathLike[str]) -> Analysis:
     findings = Findings(list(found))
     if spec is not None:
         findings.add(_settings(spec, document))
-    parsed = findings.attempt(lambda: _parse(document)) if document.has("formula") else None
+    parsed = findings.attempt(lambda: _parse(document)) if _has_formula(document) else None
     ldba, stages = _automaton(parsed, document, findings)
     if document.has("automaton"):
         _no_automata_yet(document, findings)
@@ -72,12 +72,22 @@ def analyse(path: str | os.PathLike[str]) -> Analysis:
     with importable(document.path.parent):
         known = asked is not None and (spec is not None or not document.has("observation"))
         labels = _labels(document, fields, known, findings)
+        if labels and asked and not findings.failed:
+            findings.attempt(lambda: labels(asked.seen))
         demos = None
         if spec and asked and labels and ldba and parsed and not findings.failed:
             demos = _demonstrations(spec, asked, labels, ldba, document, findings)
     return Analysis(
         document, spec, asked, fields, parsed, ldba, stages, demos, tuple(findings.ordered())
     )
+
+
+def _has_formula(document: Document) -> bool:
+    """Whether there is a formula to read; what is none was reported as such."""
+    try:
+        return document.value_text("formula").value != ""
+    except KeyError:
+        return False
 
 
 def _parse(document: Document) -> Parsed:
@@ -134,13 +144,22 @@ def _environment(document: Document, spec: Spec | None) -> Environment | None:
 
 
 def _fit(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
-    """JOB601, JOB604 and SPEC120."""
+    """JOB601, JOB604, JOB608 and SPEC120."""
     found = []
     if not asked.reproducible:
         span = document.span("environment", "id")
         help = "draw all randomness from `self.np_random`"
         found.append(Diagnostic.of("JOB601", span, environment=spec.environment.id, help=help))
-    if spec.train.backbone == "tabular" and not asked.finite:
+    backbone = spec.train.backbone
+    if backbone == "auto":
+        backbone = "tabular" if asked.finite else "sac"
+    if backbone == "sac" and asked.discrete:
+        given = document.has("train", "backbone")
+        span = document.span("train", "backbone") if given else document.span("environment", "id")
+        spaces = {"seen": str(asked.observation_space), "actions": str(asked.action_space)}
+        help = "use a Box of actions, or fewer and whole-numbered observations"
+        found.append(Diagnostic.of("JOB608", span, backbone=backbone, help=help, **spaces))
+    if backbone == "tabular" and not asked.finite:
         span = document.span("train", "backbone")
         problem = "tabular learning needs whole-numbered observations and Discrete actions"
         help = "use `sac`, or `auto`"
@@ -161,17 +180,19 @@ def _labels(
     complete: bool,
     findings: Findings,
 ) -> Labels | None:
-    texts: dict[str, SourceText | str] = {}
-    python: dict[str, SourceText | str] = {}
+    texts: dict[str, SourceText] = {}
+    python: dict[str, SourceText] = {}
     for name in document.keys("propositions"):
-        if document.has("propositions", name, "python"):
-            reference = document.value_text("propositions", name, "python")
-            python[name] = texts[name] = _beside(document, reference)
-        else:
-            try:
+        try:
+            if document.has("propositions", name, "python"):
+                reference = document.value_text("propositions", name, "python")
+                python[name] = texts[name] = _beside(document, reference)
+            else:
                 texts[name] = document.value_text("propositions", name)
-            except KeyError:
-                return None
+        except KeyError:
+            return None
+        if not texts[name].value:
+            return None
     return findings.attempt(
         lambda: compile_predicates(texts, fields, python), unless=() if complete else NEED_FIELDS
     )

@@ -17,43 +17,70 @@ from tiloilc.versions import is_broken_mujoco
 
 if TYPE_CHECKING:
     import gymnasium
+    import numpy as np
+    from numpy.typing import NDArray
+
+STEPS = 3
+"""How many steps are tried."""
 
 ROBOTICS = ("Fetch", "Hand", "Adroit", "Franka", "PointMaze", "AntMaze")
 """How the ids of Gymnasium-Robotics begin."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Asked:
-    """The answers. `fields` are [start, stop) of the flat observation of `dimensions` numbers."""
+    """The answers. `fields` are [start, stop) of the flat observation of `dimensions` numbers.
+
+    `seen` are a few observations [n, d] of a first episode.
+    """
 
     fields: dict[str, tuple[int, int]]
     dimensions: int
     finite: bool
     reproducible: bool
+    observation_space: gymnasium.Space[Any]
+    action_space: gymnasium.Space[Any]
+    seen: NDArray[np.float32]
+
+    @property
+    def discrete(self) -> bool:
+        """Whether actions are numbered."""
+        from gymnasium.spaces import Discrete
+
+        return isinstance(self.action_space, Discrete)
 
 
 def ask(environment: Environment, document: Document) -> Asked:
-    """Make the environment once and ask it. Its module may stand beside the task file.
+    """Make the environment once, try a few steps. Its module may stand beside the task file.
 
-    Raises CompileError JOB600 (cannot be made), JOB602 (a space that nothing here learns in),
-    JOB603 (a version known to break it).
+    Raises CompileError JOB600 (cannot be made or used), JOB602 (a space that nothing here learns
+    in), JOB603 (a version known to break it).
     """
+    from tiloilc.product import is_finite
+
     span = document.span("environment", "id")
     with importable(document.path.parent), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         env = _make(environment, document)
+        doing = "asking for its spaces"
         try:
             if problem := _unsupported(env):
                 raise CompileError(
                     Diagnostic.of("JOB602", span, environment=environment.id, problem=problem)
                 )
-            dimensions = _dimensions(env.observation_space)
-            published = {**_keys(env.observation_space), **_published(env, dimensions)}
-            return Asked(published, dimensions, _finite(env), _reproducible(env))
+            seen, acts = env.observation_space, env.action_space
+            dimensions, finite = _dimensions(seen), is_finite(seen, acts)
+            doing = "reading observation_fields"
+            published = {**_keys(seen), **_published(env, dimensions)}
+            doing = "`reset()`"
+            reproducible = _reproducible(env)
+            doing = "`step()`"
+            tried = _tried(env, dimensions)
+            return Asked(published, dimensions, finite, reproducible, seen, acts, tried)
         except CompileError:
             raise
         except Exception as error:
-            raise _cannot(environment, document, f"reset() fails: {_words(error)}") from error
+            raise _cannot(environment, document, f"{doing} fails: {_words(error)}") from error
         finally:
             env.close()
 
@@ -89,7 +116,7 @@ def _make(environment: Environment, document: Document) -> gymnasium.Env[Any, An
         raise _cannot(environment, document, _words(error), help=package or help) from None
     try:
         return gymnasium.make(name, disable_env_checker=True, **environment.kwargs)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise _cannot(environment, document, _words(error), at_kwargs=True) from error
 
 
@@ -113,7 +140,7 @@ def _check_mujoco(name: str, document: Document) -> None:
 def _import(module: str, environment: Environment, document: Document) -> None:
     try:
         importlib.import_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         problem = f"`import {module}` fails: {_words(error)}"
         help = "the module must be installed or stand beside the task file"
         raise _cannot(environment, document, problem, help=help) from error
@@ -137,6 +164,10 @@ def _cannot(
 
 def _words(error: BaseException) -> str:
     """The first line of what an exception says."""
+    if isinstance(error, SystemExit):
+        return "it ends the program"
+    if isinstance(error, KeyError):
+        return f"KeyError: {error}"
     lines = str(error).partition(" was raised from the environment creator")[0].splitlines()
     return lines[0].strip().rstrip(".") if lines else type(error).__name__
 
@@ -146,12 +177,20 @@ def _unsupported(env: gymnasium.Env[Any, Any]) -> str:
 
     plain = (spaces.Box, spaces.Discrete, spaces.MultiDiscrete, spaces.MultiBinary)
     seen, acts = env.observation_space, env.action_space
-    parts = seen.spaces.values() if isinstance(seen, spaces.Dict) else (seen,)
-    if not all(isinstance(part, plain) for part in parts):
-        return f"observations that are no flat numbers ({type(seen).__name__})"
-    if isinstance(acts, spaces.Box):
-        return "" if acts.is_bounded() else "unbounded actions"
-    return "" if isinstance(acts, spaces.Discrete) else f"{type(acts).__name__} actions"
+    parts = seen.spaces if isinstance(seen, spaces.Dict) else {"": seen}
+    for key, part in parts.items():
+        if not isinstance(part, plain):
+            at = f" under `{key}`" if key else ""
+            return f"observations that are no flat numbers ({type(part).__name__}{at})"
+    if not _dimensions(seen):
+        return "observations without a number in them"
+    if isinstance(acts, spaces.Discrete):
+        return ""
+    if not isinstance(acts, spaces.Box):
+        return f"{type(acts).__name__} actions"
+    if not acts.is_bounded():
+        return "unbounded actions"
+    return "" if (acts.low < acts.high).all() and acts.low.size else "actions that cannot vary"
 
 
 def _dimensions(space: gymnasium.Space[Any]) -> int:
@@ -161,16 +200,6 @@ def _dimensions(space: gymnasium.Space[Any]) -> int:
     from gymnasium import spaces
 
     return spaces.flatdim(space) if isinstance(space, spaces.Dict) else prod(space.shape or (1,))
-
-
-def _finite(env: gymnasium.Env[Any, Any]) -> bool:
-    import numpy as np
-    from gymnasium import spaces
-
-    seen = env.observation_space
-    whole = isinstance(seen, spaces.Discrete | spaces.MultiDiscrete | spaces.MultiBinary)
-    whole |= isinstance(seen, spaces.Box) and np.issubdtype(seen.dtype, np.integer)
-    return whole and isinstance(env.action_space, spaces.Discrete)
 
 
 def _keys(space: gymnasium.Space[Any]) -> dict[str, tuple[int, int]]:
@@ -188,14 +217,41 @@ def _keys(space: gymnasium.Space[Any]) -> dict[str, tuple[int, int]]:
 
 def _published(env: gymnasium.Env[Any, Any], dimensions: int) -> dict[str, tuple[int, int]]:
     published: Mapping[str, slice | int] = getattr(env.unwrapped, "observation_fields", {})
+    if not isinstance(published, Mapping):
+        raise TypeError("it is no dict of names and slices")
     fields = {}
     for name, where in published.items():
         if isinstance(where, slice):
             start, stop, _ = where.indices(dimensions)
-            fields[name] = (start, stop)
         else:
-            fields[name] = (int(where), int(where) + 1)
+            start, stop = int(where), int(where) + 1
+        if not 0 <= start < stop <= dimensions:
+            raise ValueError(f"`{name}` is outside the {dimensions} components")
+        fields[name] = (start, stop)
     return fields
+
+
+def _tried(env: gymnasium.Env[Any, Any], dimensions: int) -> NDArray[np.float32]:
+    """The observations [n, d] of a few random steps. Raises whatever the environment raises."""
+    import numpy as np
+    from gymnasium import spaces
+
+    def flat(observation: Any) -> NDArray[np.float32]:
+        if isinstance(observation, dict):
+            observation = spaces.flatten(env.observation_space, observation)
+        row = np.asarray(observation, dtype=np.float32).reshape(-1)
+        if row.size != dimensions:
+            raise ValueError(f"an observation of {row.size} numbers, not {dimensions}")
+        return row
+
+    env.action_space.seed(7)
+    rows = [flat(env.reset(seed=7)[0])]
+    for _ in range(STEPS):
+        observation, _, terminated, truncated, _ = env.step(env.action_space.sample())
+        rows.append(flat(observation))
+        if terminated or truncated:
+            break
+    return np.stack(rows)
 
 
 def _reproducible(env: gymnasium.Env[Any, Any]) -> bool:

@@ -29,9 +29,11 @@ def python_predicate(reference: SourceText) -> Callable[[Array], NDArray[np.bool
     function = _load(reference, Path(path), name)
 
     def test(observations: Array) -> NDArray[np.bool_]:
+        shown = observations.view()
+        shown.flags.writeable = False  # the next predicate sees the same array
         try:
-            result = np.asarray(function(observations))
-        except Exception as error:
+            result = np.asarray(function(shown))
+        except (Exception, SystemExit) as error:
             problem = f"it raised {type(error).__name__}: {error}"
             raise _unusable(reference, problem) from error
         wanted = observations.shape[:1]
@@ -56,9 +58,8 @@ def _load(reference: SourceText, path: Path, name: str) -> Callable[[Array], obj
     sys.modules[unique] = module  # dataclasses in the file look themselves up here
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
-        line = f" (line {error.lineno})" if isinstance(error, SyntaxError) else ""
-        problem = f"the file fails with {type(error).__name__}: {error}{line}"
+    except (Exception, SystemExit) as error:
+        problem = f"the file fails with {type(error).__name__}: {error}"
         raise _unusable(reference, problem) from error
     function: object = getattr(module, name, None)
     if function is None:
@@ -71,8 +72,6 @@ def _load(reference: SourceText, path: Path, name: str) -> Callable[[Array], obj
 
 
 def _unusable(reference: SourceText, problem: str, help: str = "") -> CompileError:
-    return CompileError(
-        Diagnostic.of(
-            "SPEC117", reference.span(), reference=reference.value, problem=problem, help=help
-        )
-    )
+    span = None if reference.file.startswith("<") else reference.span()
+    name = reference.value
+    return CompileError(Diagnostic.of("SPEC117", span, reference=name, problem=problem, help=help))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import traceback
 from collections.abc import Sequence
 from math import prod
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float32]
 
+MAX_CELLS = 1_000_000
+"""Observations beyond which no table is made: images are whole numbers too."""
+
 
 class Copies:
     """`count` copies of an environment: flat float32 observations [n, d], no automatic reset.
@@ -31,12 +36,15 @@ class Copies:
     def __init__(self, environment: Environment, count: int) -> None:
         import gymnasium as gym
 
-        self.count = count
+        self.count, self.id = count, environment.id
         name = _import_module_of(environment.id)
         self.vector = _batched(name, environment, count)
         self.singles: list[gym.Env[Any, Any]] = []
         if self.vector is None:
-            self.singles = [_single(name, environment) for _ in range(count)]
+            try:
+                self.singles = [_single(name, environment) for _ in range(count)]
+            except Exception as error:
+                self._blame("it cannot be made", error)
             self.observation_space = self.singles[0].observation_space
             self.action_space = self.singles[0].action_space
         else:
@@ -49,11 +57,13 @@ class Copies:
             else prod(self.observation_space.shape or (1,))
         )
         self._seen: Floats = np.zeros((count, self.dimensions), dtype=np.float32)
+        self._range = _range(self.observation_space) if self.finite else None
 
     def reset(self, seeds: Sequence[int], mask: NDArray[np.bool_]) -> Floats:
         """Begin an episode in the copies of `mask`; `seeds` has one entry for each copy.
 
-        Returns the observations of all copies, [n, d].
+        Returns the observations of all copies, [n, d]. Raises CompileError RUN707 if the
+        environment fails.
         """
         if self.vector is not None:
             observations, _ = self.vector.reset(
@@ -62,21 +72,29 @@ class Copies:
             )
             return self._flat(observations)
         for i in np.flatnonzero(mask).tolist():
-            self._seen[i] = self._flat_single(self.singles[i].reset(seed=int(seeds[i]))[0])
+            try:
+                observation, _ = self.singles[i].reset(seed=int(seeds[i]))
+                self._seen[i] = self._checked(observation)
+            except Exception as error:
+                self._blame("reset() fails", error)
         return self._seen.copy()
 
     def step(self, actions: NDArray[Any]) -> tuple[Floats, NDArray[np.bool_]]:
         """Step all copies: observations [n, d] and who has terminated [n].
 
-        A copy that has terminated must be reset before the next step.
+        A copy that has terminated must be reset before the next step. Raises CompileError RUN707
+        if the environment fails, or returns what is no observation of its space.
         """
         if self.vector is not None:
             observations, _, terminated, _, _ = self.vector.step(actions)
             return self._flat(observations), np.asarray(terminated, dtype=np.bool_)
         ended = np.zeros(self.count, dtype=np.bool_)
         for i, (single, action) in enumerate(zip(self.singles, actions, strict=True)):
-            observation, _, terminated, _, _ = single.step(action)
-            self._seen[i] = self._flat_single(observation)
+            try:
+                observation, _, terminated, _, _ = single.step(action)
+                self._seen[i] = self._checked(observation)
+            except Exception as error:
+                self._blame("step() fails", error)
             ended[i] = terminated
         return self._seen.copy(), ended
 
@@ -86,6 +104,26 @@ class Copies:
             self.vector.close()
         for single in self.singles:
             single.close()
+
+    def _checked(self, observation: Any) -> Floats:
+        """One observation, flat. Raises ValueError if it cannot be learned from."""
+        flat = self._flat_single(observation)
+        if flat.shape != (self.dimensions,):
+            raise ValueError(f"an observation of {flat.size} numbers, not {self.dimensions}")
+        if not np.isfinite(flat).all():
+            raise ValueError("an observation that is not finite")
+        if self._range is not None and ((flat < self._range[0]) | (flat > self._range[1])).any():
+            raise ValueError("an observation outside the observation space")
+        return flat
+
+    def _blame(self, what: str, error: Exception) -> NoReturn:
+        """Say what went wrong in the environment, and where in its own files."""
+        words = str(error).strip().splitlines()
+        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename != __file__]
+        at = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""
+        kind = type(error).__name__
+        problem = f"{what}: {': '.join([kind, *words[:1]])}{at}"
+        raise CompileError(Diagnostic.of("RUN707", id=self.id, problem=problem)) from error
 
     def _flat(self, observations: Any) -> Floats:
         if isinstance(observations, dict):
@@ -102,7 +140,7 @@ class Copies:
 
 
 def is_finite(observation_space: gym.Space[Any], action_space: gym.Space[Any]) -> bool:
-    """Whether both spaces are finite, so that values fit a table."""
+    """Whether both spaces are finite and small, so that values fit a table."""
     from gymnasium import spaces
 
     whole = isinstance(
@@ -111,7 +149,33 @@ def is_finite(observation_space: gym.Space[Any], action_space: gym.Space[Any]) -
         isinstance(observation_space, spaces.Box)
         and np.issubdtype(observation_space.dtype, np.integer)
     )
-    return whole and isinstance(action_space, spaces.Discrete)
+    if not whole or not isinstance(action_space, spaces.Discrete):
+        return False
+    low, high = _range(observation_space)
+    cells = 1
+    for first, last in zip(low.tolist(), high.tolist(), strict=True):
+        cells *= int(last) - int(first) + 1
+        if cells > MAX_CELLS:
+            return False
+    return True
+
+
+def _range(space: gym.Space[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The least and the greatest flat observation of a finite space."""
+    from gymnasium import spaces
+
+    low: Any = 0
+    high: Any = 1
+    match space:
+        case spaces.Discrete():
+            low, high = space.start, space.start + space.n - 1
+        case spaces.MultiDiscrete():
+            low, high = space.start, space.start + space.nvec - 1
+        case spaces.Box():
+            low, high = space.low, space.high
+        case spaces.MultiBinary():
+            low, high = np.zeros(space.shape), np.ones(space.shape)
+    return np.asarray(low, np.float64).reshape(-1), np.asarray(high, np.float64).reshape(-1)
 
 
 def _batched(name: str, environment: Environment, count: int) -> VectorEnv[Any, Any, Any] | None:
