@@ -1,0 +1,396 @@
+"""Tabular TiLoIL against exact solutions of Eq. 4 on small products."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete
+
+from tests.learn.examples import cell_is, demos, generator, nothing_shown, plan, settings
+from tests.plan.automata import automaton, ring, stabilization
+from tiloilc.automaton.ldba import Ldba
+from tiloilc.demos import DemoSet
+from tiloilc.learn import make_loop
+from tiloilc.learn.tabular import TabularAgent
+from tiloilc.learn.tiloil import StageTable, stage_reward
+from tiloilc.plan import Plan, stage_plan
+from tiloilc.product import walk_tables
+
+SIZE, GAMMA = 5, 0.9
+MOST = 1 / (1 - GAMMA)
+
+RING = ring(["right", "left"], "never")
+RISKY = ring(["right"], "middle")  # from the left there is no way around the deadly middle
+STAY = stabilization()
+PASSING = automaton(
+    ["right", "left"], 3, lambda b, true: min(b + ("right" in true), 2), {1}, None
+)  # 1 accepts until `right` is seen again, and then never more: 2 is live in name only
+
+
+CELLS = {RING: (4, 0, 9), RISKY: (4, 2), STAY: (4, 0), PASSING: (4, 0)}
+"""Where each automaton's propositions hold."""
+
+
+def labels_of(ldba: Ldba) -> Callable[[Any], Any]:
+    return cell_is(*CELLS[ldba])
+
+
+def task(ldba: Ldba, **changes: object) -> Plan:
+    return plan(
+        ldba,
+        "TestsLine-v0",
+        kwargs={"size": SIZE, "start": None},
+        **{"gamma": GAMMA, "seeds": 1, "preset": "paper", "learning_rate": 1.0, **changes},
+    )
+
+
+def exact(made: Plan) -> np.ndarray:
+    """The fixed point of Eq. 4 with f = 0: Q [cell, b, action], by value iteration, in the open.
+
+    Written from the paper and the settings' meaning, not from the learner.
+    """
+    ldba, stages, s = made.ldba, made.stages, made.train
+    lost = s.sink_reward * MOST
+    letters = labels_of(ldba)(np.arange(SIZE, dtype=np.float32)[:, None])
+    q = np.zeros((SIZE, len(ldba.states), 3))
+    for _ in range(400):
+        v = q.max(-1)
+        new = np.zeros_like(q)
+        for cell in range(SIZE):
+            for b in ldba.states:
+                for action in range(3):
+                    after = min(max(cell + action - 1, 0), SIZE - 1)
+                    options = ldba.options(b, int(letters[after]))
+                    worth = []
+                    for c in options:
+                        entered = c in ldba.accepting
+                        if s.exact_entry and entered:
+                            worth.append(MOST)
+                        elif s.exact_entry and c == ldba.sink:
+                            worth.append(lost)
+                        else:
+                            worth.append(v[after, c])
+                    pay = s.sink_reward if b == ldba.sink else stages.index[b] / stages.length[b]
+                    if b not in ldba.accepting:
+                        new[cell, b, action] = pay + GAMMA * max(worth)
+                    elif s.accepting_target == "constant":
+                        new[cell, b, action] = MOST
+                    else:
+                        kept = [
+                            v[after, c]
+                            if c in ldba.accepting
+                            else (lost if c == ldba.sink else MOST)
+                            for c in options
+                        ]
+                        new[cell, b, action] = 1 + GAMMA * max(kept)
+        q = new
+    return q
+
+
+def swept(made: Plan, shown: DemoSet | None = None, sweeps: int = 70) -> TabularAgent:
+    """An agent that has seen every (cell, b, action) again and again, f untrained."""
+    loop = make_loop(made, shown or DemoSet(()), labels_of(made.ldba))
+    agent = loop.agent
+    assert isinstance(agent, TabularAgent)
+    letters = labels_of(made.ldba)(np.arange(SIZE, dtype=np.float32)[:, None])
+    for _ in range(sweeps):
+        for cell in range(SIZE):
+            for b in made.ldba.states:
+                for action in range(3):
+                    after = min(max(cell + action - 1, 0), SIZE - 1)
+                    agent.record(
+                        np.array([[[cell]]], np.float32),
+                        np.array([[action]]),
+                        np.array([[[after]]], np.float32),
+                        np.array([[b]]),
+                        np.array([[letters[after]]]),
+                        np.array([[False]]),
+                    )
+                    agent.learn(0)
+                    agent.open.clear()
+    return agent
+
+
+@pytest.mark.parametrize("exact_entry", [False, True])
+@pytest.mark.parametrize("kind", ["constant", "live"])
+@pytest.mark.parametrize(
+    "ldba", [RING, RISKY, STAY, PASSING], ids=["ring", "risky", "stay", "passing"]
+)
+def test_q_learning_finds_the_fixed_point_of_equation_4(
+    ldba: Ldba, kind: str, exact_entry: bool
+) -> None:
+    made = task(ldba, accepting_target=kind, exact_entry=exact_entry)
+    assert np.allclose(swept(made).q[0].numpy(), exact(made), atol=1e-2)
+
+
+@pytest.mark.parametrize("kind", ["constant", "live"])
+def test_relabelled_steps_have_the_same_fixed_point(kind: str) -> None:
+    """Each step teaches every live state: the letters do not depend on where the agent was."""
+    for ldba in (RING, RISKY, STAY):
+        made = task(ldba, relabel=True, accepting_target=kind, exact_entry=True)
+        live = [b for b in ldba.states if b != ldba.sink]
+        found = swept(made, sweeps=40).q[0].numpy()
+        assert np.allclose(found[:, live], exact(made)[:, live], atol=1e-2)
+
+
+def test_an_optimistic_table_comes_down_to_the_same_fixed_point() -> None:
+    made = task(RING, optimistic=True)
+    assert np.allclose(swept(made).q[0].numpy(), exact(made), atol=1e-2)
+
+
+def test_segment_makes_acceptance_the_beginning_of_the_next_segment() -> None:
+    """The accepting state of a ring shares the row of its first state: same Q, same acts."""
+    made = task(RING, accepting_target="segment", exact_entry=True)
+    agent = swept(made)
+    table = agent.table
+    assert table.code.tolist() == [0, 1, 0, 3]
+    expected = exact(task(RING, exact_entry=True))  # outside acceptance nothing changes
+    assert np.allclose(agent.q[0, :, :2].numpy(), expected[:, :2], atol=1e-2)
+    seen = np.arange(SIZE, dtype=np.float32)[None, :, None]
+    acts = [agent.act(seen, np.full((1, SIZE), b), greedy=True).tolist() for b in (0, 2)]
+    assert acts[0] == acts[1]
+
+
+def test_demonstrated_values_are_lower_bounds_of_the_exact_ones() -> None:
+    path = [1.0, 2, 3, 4, 3, 2, 1, 0, 1, 1, 2]
+    for ldba in (RING, STAY, RISKY):
+        for kind in ("constant", "live"):
+            for entry in (False, True):
+                made = task(
+                    ldba, accepting_target=kind, exact_entry=entry, demo_replay=0.5, beta=0.3
+                )
+                agent = make_loop(made, demos(path, path[4:]), labels_of(ldba)).agent
+                assert isinstance(agent, TabularAgent)
+                floor, values = agent.floor.numpy(), exact(made).max(-1)
+                assert (floor <= values + 1e-4).all()
+                if entry and ldba is not STAY:
+                    assert np.isfinite(floor).any()
+
+
+def test_a_demonstration_raises_what_is_known_of_its_states() -> None:
+    """One step from acceptance, and two: Eq. 4 with the least reward, by hand."""
+    made = task(RING, exact_entry=True, demo_replay=0.5, beta=0.3)
+    agent = make_loop(made, demos([2, 1, 0]), labels_of(RING)).agent
+    near = (1 - 0.3) / 2 + GAMMA * MOST  # b = 1 waits for `left`; SIDX 1 of 2, tanh f ≥ -1
+    assert agent.floor[1, 1].item() == pytest.approx(near)
+    assert agent.floor[2, 1].item() == pytest.approx((1 - 0.3) / 2 + GAMMA * near)
+    assert agent.floor[0].tolist() == [-np.inf] * 4  # the last state has no step
+    assert agent.floor[3].tolist() == [-np.inf] * 4  # never shown
+
+
+def test_values_on_demonstrated_paths_are_never_below_the_floor() -> None:
+    made = task(RING, exact_entry=True, demo_replay=0.5)
+    with_floor = swept(made, demos([3, 4, 3, 2, 1, 0]), sweeps=1).q[0]
+    without = swept(task(RING, exact_entry=True), sweeps=1).q[0]
+    assert (with_floor >= without - 1e-6).all()
+    assert (with_floor > without + 1).any()
+
+
+def test_without_demo_replay_there_is_no_floor() -> None:
+    agent = make_loop(task(RING), demos([3, 4, 3, 2, 1, 0]), labels_of(RING)).agent
+    assert (agent.floor == -np.inf).all()
+
+
+def test_overestimation_decays_with_the_distance_to_acceptance() -> None:
+    """Theorem 3.2 on a chain of three states, with hard maxima (α = 0).
+
+    Q with 1 / (1 - γ) at acceptance exceeds Q* with ordinary backups by at most γ^k δ_max.
+    """
+    made = task(RING, accepting_target="constant", beta=0.0)
+    found = exact(made)
+    ldba, stages = made.ldba, made.stages
+    letters = labels_of(RING)(np.arange(SIZE, dtype=np.float32)[:, None])
+    pay = np.array([i / n for i, n in zip(stages.index, stages.length, strict=True)])
+    ordinary = np.zeros_like(found)
+    for _ in range(400):
+        v = ordinary.max(-1)
+        for cell in range(SIZE):
+            for b in range(3):
+                for action in range(3):
+                    after = min(max(cell + action - 1, 0), SIZE - 1)
+                    c = ldba.successor(b, int(letters[after]))
+                    ordinary[cell, b, action] = pay[b] + GAMMA * v[after, c]
+    excess = (found - ordinary)[:, :3]
+    gap = MOST - pay[:3].min() / (1 - GAMMA)
+    for cell in range(SIZE):
+        for b in range(3):
+            steps, at = 0, (cell, b)
+            while at[1] not in ldba.accepting:  # under the learned greedy policy
+                action = int(found[at].argmax())
+                after = min(max(at[0] + action - 1, 0), SIZE - 1)
+                at = (after, ldba.successor(at[1], int(letters[after])))
+                steps += 1
+                assert steps < 30
+            best = int(found[cell, b].argmax())
+            assert excess[cell, b, best] <= GAMMA**steps * gap + 1e-6
+
+
+# what the agent does
+
+
+def agent(seeds: int = 2, **changes: object) -> TabularAgent:
+    """An agent on STAY, without demonstrations."""
+    given = settings(seeds=seeds, preset="paper", gamma=GAMMA, **changes)
+    space = Box(0, SIZE - 1, (1,), np.int64)
+    stages, walk = stage_plan(STAY), walk_tables(STAY)
+    return TabularAgent(
+        given, stages, walk, space, Discrete(3, start=10), nothing_shown(1), generator()
+    )
+
+
+def test_greedy_actions_are_those_of_greatest_value_in_the_environments_numbers() -> None:
+    found = agent()
+    found.q[0, 3, 1, 2] = 5
+    found.q[1, 3, 1, 1] = 5
+    seen, states = np.full((2, 1, 1), 3, np.float32), np.ones((2, 1), np.int64)
+    assert found.act(seen, states, greedy=True).tolist() == [[12], [11]]
+
+
+def test_greedy_decisions_take_no_random_numbers() -> None:
+    found = agent()
+    before = found.generator.get_state()
+    seen = np.zeros((2, 4, 1), np.float32)
+    found.act(seen, np.zeros((2, 4), np.int64), greedy=True)
+    found.choose(seen, np.tile([0, 1], (2, 4, 1)), greedy=True)
+    assert torch.equal(before, found.generator.get_state())
+
+
+def test_a_share_of_actions_is_random_while_learning() -> None:
+    found = agent(seeds=1, exploration=0.3)
+    found.q[..., 1] = 5
+    seen, states = np.zeros((1, 20_000, 1), np.float32), np.zeros((1, 20_000), np.int64)
+    actions = found.act(seen, states, greedy=False) - 10
+    shares = np.bincount(actions[0], minlength=3) / actions.size
+    assert shares.tolist() == pytest.approx([0.1, 0.8, 0.1], abs=0.02)
+
+
+def test_ties_are_broken_at_random_while_learning() -> None:
+    found = agent(seeds=1, exploration=0.0)
+    seen, states = np.zeros((1, 3000, 1), np.float32), np.zeros((1, 3000), np.int64)
+    shares = np.bincount(found.act(seen, states, greedy=False)[0] - 10, minlength=3) / 3000
+    assert shares.tolist() == pytest.approx([1 / 3] * 3, abs=0.05)
+
+
+def test_the_option_of_greatest_value_is_chosen() -> None:
+    found = agent()
+    found.q[0, 4, 0, 2] = 3
+    found.q[1, 4, 1, 0] = 3
+    seen = np.full((2, 1, 1), 4, np.float32)
+    assert found.choose(seen, np.array([[[0, 1]]] * 2), greedy=True).tolist() == [[0], [1]]
+
+
+def test_an_episode_is_learned_backwards_when_it_ends() -> None:
+    """A single pass carries the value of the goal to the first step."""
+    found = TabularAgent(
+        settings(seeds=1, preset="paper", gamma=GAMMA, learning_rate=1.0, exact_entry=True),
+        stage_plan(RING),
+        walk_tables(RING),
+        Box(0, SIZE - 1, (1,), np.int64),
+        Discrete(3),
+        nothing_shown(1),
+        generator(),
+    )
+    for cell in (3, 2, 1):
+        found.record(
+            np.array([[[cell]]], np.float32),
+            np.array([[0]]),
+            np.array([[[cell - 1]]], np.float32),
+            np.array([[1]]),
+            np.array([[2 if cell == 1 else 0]]),
+            np.array([[False]]),
+        )
+    found.finish(np.array([[True]]), np.array([[3]]))
+    found.learn(0)
+    value = GAMMA * MOST
+    for cell in (1, 2, 3):
+        value = 0.5 + (GAMMA * MOST if cell == 1 else GAMMA * value)
+        assert found.q[0, cell, 1, 0].item() == pytest.approx(value)
+    assert found.open == found.closed == []
+
+
+def test_episodes_of_different_lengths_are_learned_each_once() -> None:
+    """Seed 0 ends after 2 of 3 steps, seed 1 after 3; no step is learned for the wrong seed."""
+    found = agent(seeds=2, learning_rate=1.0)
+    for t, ended in enumerate(([False, False], [True, False], [False, True])):
+        cells = np.array([[[t]], [[t + 1]]], np.float32)
+        zero = np.zeros((2, 1), np.int64)
+        found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_))
+        length = np.array([[t + 1 if t < 2 else 1], [t + 1]])
+        found.finish(np.array(ended)[:, None], length)
+    taken = [(step.cell[:, 0].tolist(), step.valid[:, 0].tolist()) for step in found.closed]
+    assert taken == [
+        ([1, 2], [True, False]),
+        ([0, 1], [True, False]),
+        ([2, 3], [False, True]),
+        ([1, 2], [False, True]),
+        ([0, 1], [False, True]),
+    ]
+    assert len(found.open) == 1  # the first step of seed 0's next episode
+
+
+def test_seeds_learn_from_their_own_steps_only() -> None:
+    found = agent(seeds=2, learning_rate=1.0)
+    found.record(
+        np.array([[[1]], [[2]]], np.float32),
+        np.array([[10], [11]]),
+        np.array([[[1]], [[2]]], np.float32),
+        np.zeros((2, 1), np.int64),
+        np.zeros((2, 1), np.int64),
+        np.array([[True], [True]]),
+    )
+    found.learn(0)
+    changed = found.q.nonzero().tolist()
+    assert changed == [[0, 1, 0, 0], [1, 2, 0, 1]]  # -γ/(1-γ) each: the environment ended
+
+
+def test_segments_are_counted_in_their_buffers() -> None:
+    found = agent(seeds=2)
+    found.segment(1, 3, np.array([[0], [4], [4]], np.float32))
+    assert found.discriminators.counts[1, 3].tolist() == [1, 0, 0, 0, 2]
+    assert found.discriminators.counts.sum() == 3
+
+
+@pytest.mark.parametrize(
+    ("space", "observations", "cells"),
+    [
+        (Discrete(4, start=2), [[2], [5]], [0, 3]),
+        (MultiDiscrete([2, 3]), [[0, 0], [1, 2], [1, 0]], [0, 5, 3]),
+        (Box(-1, 1, (2,), np.int64), [[-1, -1], [1, 1], [0, 1]], [0, 8, 5]),
+        (MultiBinary(3), [[0, 0, 1], [1, 1, 1]], [1, 7]),
+    ],
+    ids=["discrete", "multi-discrete", "box", "switches"],
+)
+def test_every_finite_space_is_numbered(
+    space: Any, observations: Sequence[Sequence[int]], cells: list[int]
+) -> None:
+    found = _on(space)
+    assert found._cells(np.array(observations, np.float32)).tolist() == cells
+    assert found.q.shape[1] > max(cells)
+
+
+def _on(space: Any) -> TabularAgent:
+    d = int(np.prod(space.shape or (1,)))
+    stages, walk = stage_plan(STAY), walk_tables(STAY)
+    return TabularAgent(settings(), stages, walk, space, Discrete(3), nothing_shown(d), generator())
+
+
+def test_the_reward_is_that_of_todays_discriminators() -> None:
+    """Recomputed at learning, never stored with the step."""
+    found = agent(seeds=1, learning_rate=1.0)
+    step = [
+        np.array([[[1]]], np.float32),
+        np.array([[10]]),
+        np.array([[[1]]], np.float32),
+        np.array([[0]]),
+        np.array([[0]]),
+        np.array([[False]]),
+    ]
+    found.record(*step)
+    found.discriminators.values[0, 0, 1] = 0.6  # after the step, before it is learned
+    found.learn(0)
+    table = StageTable.of(stage_plan(STAY), walk_tables(STAY), found.settings)
+    expected = stage_reward(table, torch.tensor([[0]]), torch.tensor(0.6), found.settings)
+    assert expected.item() == pytest.approx(0.2)
+    assert found.q[0, 1, 0, 0].item() == pytest.approx(0.2)
