@@ -1,0 +1,263 @@
+"""train, eval and run from the command line: folders, settings, interruptions."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.cli.running import Run, runner
+
+GRID = """\
+name: round
+environment:
+  id: tiloilc/GridCircular-v0
+  kwargs: {zones: 2}
+  horizon: 12
+propositions:
+  a: 15 <= x <= 19 and 8 <= y <= 12
+  b: 8 <= x <= 12 and 15 <= y <= 19
+  z: 7 <= x <= 13 and 7 <= y <= 13
+formula: "G F (a & X F b) & G !z"
+demonstrations: {source: expert, count: 2, max_visits: 1, actions: inferred}
+train: {steps: 60, seeds: 2, learning_starts: 20, checkpoint_every: 10}
+evaluate: {episodes: 2, every: 30}
+"""
+
+FLAT = """\
+name: stay
+environment: {id: tiloilc/FlatWorld-v0, horizon: 12}
+propositions:
+  y: dist(pos, [-0.85, 0.15]) < 0.3
+  b: norm(pos) < 0.8
+formula: "F G y & G !b"
+demonstrations: {source: expert, count: 2, actions: inferred}
+train:
+  steps: 2_000
+  seeds: 2
+  learning_starts: 60
+  checkpoint_every: 20
+  actor_hidden: [16]
+  critic_hidden: [16]
+  batch_size: 16
+evaluate: {episodes: 2, every: 500}
+"""
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    return runner(capsys)
+
+
+@pytest.fixture(autouse=True)
+def quick_cloning(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tiloilc.learn.cloning.INVERSE_STEPS", 20)
+    monkeypatch.setattr("tiloilc.learn.cloning.CLONING_STEPS", 20)
+
+
+@pytest.fixture
+def build(workdir: Path, run: Run) -> Path:
+    """The compiled grid task."""
+    (workdir / "round.yaml").write_text(GRID, encoding="utf-8")
+    assert run("compile", "round.yaml", "-q")[0] == 0
+    return Path("build/round")
+
+
+def settings_of(folder: Path) -> dict[str, object]:
+    train = json.loads((folder / "plan.json").read_text())["train"]
+    assert isinstance(train, dict)
+    return train
+
+
+def test_train_prints_the_run_folder_and_leaves_policies(build: Path, run: Run) -> None:
+    status, out, err = run("train", build)
+    assert (status, out) == (0, "runs/round/0001\n")
+    assert "2 seeds" in err
+    folder = Path("runs/round/0001")
+    for name in ("plan.json", "demos.npz", "events.jsonl", "checkpoints/last.safetensors"):
+        assert (folder / name).is_file(), name
+    assert run("train", build, "-q") == (0, "runs/round/0002\n", "")
+
+
+def test_settings_can_be_changed_for_one_run(build: Path, run: Run) -> None:
+    changes = ("--steps", "1e2", "--seeds", 1, "--set", "beta=1/4", "--set", "segment=false")
+    assert run("train", build, *changes, "--set", "critic_hidden=[8, 8]", "-q")[0] == 0
+    found = settings_of(Path("runs/round/0001"))
+    assert (found["steps"], found["seeds"], found["beta"]) == (100, 1, 0.25)
+    assert (found["segment"], found["critic_hidden"]) == (False, [8, 8])
+    start = json.loads(Path("runs/round/0001/events.jsonl").read_text().splitlines()[0])
+    assert start["overrides"]["beta"] == 0.25
+    assert start["seeds"] == [0]
+    assert settings_of(build)["steps"] == 60  # the build is as it was
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--set", "batchsize=3"], ["no setting `batchsize`", "batch_size"]),
+        (["--set", "batch_size=0"], ["batch_size", "greater than 0"]),
+        (["--set", "batch_size=many"], ["batch_size"]),
+        (["--set", "batch_size"], ["NAME=VALUE"]),
+        (["--set", "preset=papper"], ["preset"]),
+        (["--steps", "ten"], ["steps"]),
+        (["--steps", "0"], ["steps"]),
+    ],
+)
+def test_a_wrong_setting_is_a_usage_error(
+    build: Path, run: Run, arguments: list[str], words: list[str]
+) -> None:
+    status, out, err = run("train", build, *arguments)
+    assert (status, out) == (2, "")
+    assert all(word in err for word in words), err
+    assert not Path("runs").exists()
+
+
+def test_a_folder_without_plan_is_a_usage_error(workdir: Path, run: Run) -> None:
+    assert run("train", "missing")[0] == 2
+    (workdir / "empty").mkdir()
+    status, out, err = run("train", "empty")
+    assert (status, out) == (2, "")
+    assert "no plan in `empty`" in err
+
+
+def test_a_plan_whose_task_file_changed_is_refused(build: Path, run: Run) -> None:
+    path = Path("round.yaml")
+    path.write_text(path.read_text().replace("horizon: 12", "horizon: 13"))
+    status, _, err = run("train", build)
+    assert status == 1
+    assert "PLAN401" in err
+    assert "round.yaml" in err
+
+
+def test_eval_prints_the_verdict(build: Path, run: Run) -> None:
+    run("train", build, "-q")
+    status, out, err = run("eval", "runs/round/0001", "--episodes", 3)
+    assert status == 0
+    assert "best by validation, greedy" in out.splitlines()[1]
+    assert "optimum" in out
+    assert "eval.json" in err
+    found = json.loads(Path("runs/round/0001/eval.json").read_text())
+    assert found["episodes"] == 3
+    assert found["wall_seconds"] > 0
+    sampled = run("eval", "runs/round/0001", "--stochastic", "-q")
+    assert "best by validation, sampled" in sampled[1].splitlines()[1]
+    assert sampled[2] == ""
+
+
+def test_eval_of_an_unfinished_run_is_a_finding(build: Path, run: Run) -> None:
+    run("train", build, "-q")
+    for path in Path("runs/round/0001/checkpoints").glob("[a-z]*.safetensors"):
+        path.unlink()
+    status, out, err = run("eval", "runs/round/0001")
+    assert (status, out) == (1, "")
+    assert err.startswith("error[RUN706]")
+    assert "--resume" in err
+    assert not Path("runs/round/0001/eval.json").exists()
+
+
+def test_eval_of_a_build_folder_is_a_finding_too(build: Path, run: Run) -> None:
+    status, _, err = run("eval", build)
+    assert status == 1
+    assert "RUN706" in err
+
+
+def test_run_does_everything(build: Path, run: Run) -> None:
+    status, out, _ = run("run", "round.yaml", "--steps", 40)
+    assert status == 0
+    folder = Path("runs/round/0001")
+    assert out.splitlines()[-1] == f"report: {folder.as_posix()}/report.html"
+    assert "accepting visits" in out
+    for name in ("plan.json", "events.jsonl", "eval.json", "trajectories.npz", "report.html"):
+        assert (folder / name).stat().st_size > 0, name
+    kinds = [json.loads(e)["type"] for e in (folder / "events.jsonl").read_text().splitlines()]
+    assert (kinds[0], kinds[-1]) == ("start", "end")
+
+
+def test_resuming_goes_on_with_the_newest_run_of_the_same_plan(build: Path, run: Run) -> None:
+    run("train", build, "-q")
+    run("train", build, "-q", "--steps", 30)
+    assert run("train", build, "-q", "--resume") == (0, "runs/round/0001\n", "")
+    assert run("train", "runs/round/0002", "-q", "--resume") == (0, "runs/round/0002\n", "")
+    status, _, err = run("train", build, "--resume", "--steps", 77)
+    assert status == 2
+    assert "to go on with" in err
+
+
+def test_resuming_a_run_with_other_settings_is_a_finding(build: Path, run: Run) -> None:
+    run("train", build, "-q")
+    status, _, err = run("train", "runs/round/0001", "--resume", "--steps", 77)
+    assert status == 1
+    assert "RUN704" in err
+
+
+def test_the_same_command_twice_gives_the_same_events(build: Path, run: Run) -> None:
+    for _ in range(2):
+        run("train", build, "-q")
+    first, second = (Path(f"runs/round/000{n}/events.jsonl").read_bytes() for n in (1, 2))
+    assert first == second
+
+
+def test_a_run_that_was_never_judged_well_still_has_a_verdict(build: Path, run: Run) -> None:
+    """Fewer steps than random ones: nothing is learned, and nothing breaks."""
+    status, _, err = run("run", "round.yaml", "--steps", 10, "-q")
+    assert (status, err) == (0, "")
+
+
+# as a program
+
+
+def program(*arguments: object) -> list[str]:
+    return [sys.executable, "-m", "tiloilc", *map(str, arguments)]
+
+
+def environment(root: Path) -> dict[str, str]:
+    return {**os.environ, "PYTHONPATH": str(root)}
+
+
+def wait_for(path: Path, process: subprocess.Popen[str], seconds: float = 60) -> None:
+    until = time.monotonic() + seconds
+    while not path.exists():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < until
+        time.sleep(0.02)
+
+
+def policies(run: Path) -> list[bytes]:
+    return [path.read_bytes() for path in sorted((run / "checkpoints").glob("[a-z]*.safetensors"))]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kill", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(("text", "steps"), [(GRID, 4000), (FLAT, 600)], ids=["table", "sac"])
+def test_a_killed_program_resumed_ends_as_if_never_killed(
+    workdir: Path, root: Path, run: Run, kill: signal.Signals, text: str, steps: int
+) -> None:
+    (workdir / "task.yaml").write_text(text, encoding="utf-8")
+    assert run("compile", "task.yaml", "-o", "built", "-q")[0] == 0
+    name = json.loads(Path("built/plan.json").read_text())["name"]
+    train = program("train", "built", "-q", "--steps", steps)
+    env = environment(root)
+    process = subprocess.Popen(train, text=True, stderr=subprocess.PIPE, env=env)
+    first = Path("runs") / name / "0001"
+    wait_for(first / "checkpoints" / "last.json", process)
+    time.sleep(0.3)  # somewhere between two checkpoints
+    process.send_signal(kill)
+    _, err = process.communicate(timeout=60)
+    if kill == signal.SIGKILL:
+        assert process.returncode == -signal.SIGKILL
+    else:
+        assert process.returncode == 130, err
+        assert f"tiloilc train {first.as_posix()} --resume" in err
+        assert "Traceback" not in err
+    assert not (first / "checkpoints" / "last.safetensors").exists()
+    done = subprocess.run(program("train", first, "--resume", "-q"), env=env, timeout=120)
+    assert done.returncode == 0
+    whole = subprocess.run(train, env=env, timeout=120)
+    assert whole.returncode == 0
+    second = Path("runs") / name / "0002"
+    assert (first / "events.jsonl").read_bytes() == (second / "events.jsonl").read_bytes()
+    assert policies(first) == policies(second) != []
