@@ -18,6 +18,7 @@ from tiloilc.versions import is_broken_mujoco
 REQUIRED = {
     "gymnasium": "gymnasium",
     "lark": "lark",
+    "networkx": "networkx",
     "numpy": "numpy",
     "pydantic": "pydantic",
     "pygraphviz": "pygraphviz",

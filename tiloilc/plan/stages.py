@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tiloilc.automaton.ldba import Ldba, StateId
 from tiloilc.diag import CompileError, Diagnostic, Span
-from tiloilc.plan.longest import Graph, longest_paths
+from tiloilc.plan.longest import Graph, directed_graph, longest_paths
 from tiloilc.plan.model import Stages
 
 __all__ = [
@@ -50,9 +50,9 @@ def stage_plan(ldba: Ldba, span: Span | None = None) -> Stages:
     Raises CompileError PLAN402, at `span`, if no accepting state can be reached.
     """
     follow = stage_graph(ldba)
-    if not _reachable(follow, ldba.initial) & ldba.accepting:
-        raise CompileError(Diagnostic.of("PLAN402", span))
     distance = _distances(follow, ldba.accepting)
+    if distance[ldba.initial] < 0:
+        raise CompileError(Diagnostic.of("PLAN402", span))
     index, length = _order(follow, ldba, distance)
     positive, negative = _buffers(follow, ldba, distance)
     return Stages(index, length, distance, positive, negative)
@@ -93,20 +93,17 @@ def is_absorbing(ldba: Ldba) -> bool:
 def ambiguous_stages(ldba: Ldba, stages: Stages) -> tuple[tuple[StateId, ...], ...]:
     """Groups of states at one distance of which Eq. 7 can name several for one segment.
 
-    Two states are in such a group if a segment can visit both and each can reach acceptance
-    without the other.
+    Two states are in such a group if a segment can visit both. Each can reach acceptance without
+    the other: a shortest way meets no second state at the same distance.
     """
-    follow = stage_graph(ldba)
-    reach = _ways(follow, ldba.accepting)
+    reach = _ways(stage_graph(ldba), ldba.accepting)
     groups: dict[int, set[StateId]] = {}
     stage_states = [b for b in ldba.states if stages.distance[b] > 0]
     for i, b in enumerate(stage_states):
         for c in stage_states[i + 1 :]:
             meet = c in reach[b] or b in reach[c]
             if stages.distance[b] == stages.distance[c] and meet:
-                ways = (_reachable(follow, b, without=c), _reachable(follow, c, without=b))
-                if all(way & ldba.accepting for way in ways):
-                    groups.setdefault(stages.distance[b], set()).update((b, c))
+                groups.setdefault(stages.distance[b], set()).update((b, c))
     return tuple(tuple(sorted(groups[d])) for d in sorted(groups))
 
 
@@ -130,33 +127,15 @@ def _rank(stages: Stages, b: StateId) -> tuple[int, int] | None:
     return (stages.distance[b], -stages.index[b]) if stages.distance[b] >= 0 else None
 
 
-def _reachable(follow: Graph, start: StateId, without: StateId = -1) -> frozenset[StateId]:
-    seen, waiting = {start}, [start]
-    while waiting:
-        for b in follow[waiting.pop()]:
-            if b not in seen and b != without:
-                seen.add(b)
-                waiting.append(b)
-    return frozenset(seen)
-
-
 def _distances(follow: Graph, accepting: frozenset[StateId]) -> tuple[int, ...]:
-    """Edges to the nearest accepting state, by breadth-first search against the edges; -1: none."""
-    before: list[list[StateId]] = [[] for _ in follow]
-    for b, reached in enumerate(follow):
-        for c in reached:
-            before[c].append(b)
-    distance = [0 if b in accepting else -1 for b in range(len(follow))]
-    layer = sorted(accepting)
-    while layer:
-        found = []
-        for c in layer:
-            for b in before[c]:
-                if distance[b] < 0:
-                    distance[b] = distance[c] + 1
-                    found.append(b)
-        layer = found
-    return tuple(distance)
+    """Edges to the nearest accepting state; -1 where none can be reached."""
+    import networkx as nx
+
+    if not accepting:
+        return (-1,) * len(follow)
+    backward = directed_graph(follow).reverse()
+    distance = nx.multi_source_dijkstra_path_length(backward, accepting)
+    return tuple(int(distance.get(b, -1)) for b in range(len(follow)))
 
 
 def _paths(
@@ -183,20 +162,12 @@ def _order(
     return stages, tuple(max(1, length.get(b) or 0, direct[b]) for b in ldba.states)
 
 
-def _ways(follow: Graph, accepting: frozenset[StateId]) -> list[frozenset[StateId]]:
+def _ways(follow: Graph, accepting: frozenset[StateId]) -> list[set[StateId]]:
     """`b ⇝ c` (Eq. 6) as the set of all c for each b; never reflexive."""
-    ways = []
-    for start in range(len(follow)):
-        seen: set[StateId] = set()
-        waiting = [] if start in accepting else [start]
-        while waiting:
-            for c in follow[waiting.pop()]:
-                if c not in seen:
-                    seen.add(c)
-                    if c not in accepting:
-                        waiting.append(c)
-        ways.append(frozenset(seen - {start}))
-    return ways
+    import networkx as nx
+
+    graph = directed_graph(follow, accepting)
+    return [nx.descendants(graph, b) for b in range(len(follow))]
 
 
 def _buffers(
