@@ -98,7 +98,7 @@ class Replay:
         seeds = self.rows.shape[0]
         drawn = torch.randint(len(self), (seeds, count), generator=generator) + self._starts
         flat = self.rows.view(-1, self.rows.shape[2])
-        return flat.index_select(0, drawn.view(-1)).view(seeds, count, -1)
+        return flat.index_select(0, drawn.view(-1)).view(seeds, count, flat.shape[1])
 
     def state(self) -> State:
         """The rows that are written."""
