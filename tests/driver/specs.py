@@ -13,7 +13,7 @@ propositions:
   b: norm(pos) < 0.8
 formula: "G F r & G !y & G !b"
 train:
-  steps: 1_000
+  steps: 10_000
   seeds: 2
 """
 

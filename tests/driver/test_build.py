@@ -101,6 +101,18 @@ def test_changed_demonstrations_and_predicates_are_named(tmp_path: Path) -> None
     assert [message.split("`")[1] for message in stale(out)] == ["demos.npz", "labels.py"]
 
 
+def test_a_missing_input_is_said_to_be_missing_and_where(tmp_path: Path) -> None:
+    labels = tmp_path / "labels.py"
+    labels.write_text("def near(seen):\n    return (seen**2).sum(-1) < 0.64\n", encoding="utf-8")
+    out = build(spec(tmp_path, ("norm(pos) < 0.8", '{python: "labels.py:near"}')), tmp_path / "out")
+    labels.rename(tmp_path / "elsewhere.py")
+    with pytest.raises(CompileError) as caught:
+        load_plan(out)
+    (finding,) = caught.value.diagnostics
+    assert finding.message == "`labels.py` was moved or deleted after the plan was compiled"
+    assert finding.help.endswith("/labels.py")
+
+
 def test_a_plan_outlives_its_task_file(tmp_path: Path) -> None:
     path = spec(tmp_path)
     out = build(path, tmp_path / "out")

@@ -46,8 +46,9 @@ FORMULA = '"G F r & G !y & G !b"'
         (FORMULA, '"G F (r & X F y) & G !b"', "LTL215", "r & X F y"),
         (FORMULA, '"F G y & G !b & F r"', "AUT301", '"F G y & G !b & F r"'),
         (FORMULA, '"F r & F y & G !b"', "PLAN405", '"F r & F y & G !b"'),
-        ("steps: 1_000", "steps: 1_000\n  beta: 1/2", "PLAN404", "1/2"),
-        ("steps: 1_000", "steps: 1_000\n  backbone: tabular", "JOB604", "tabular"),
+        ("steps: 10_000", "steps: 10_000\n  beta: 1/2", "PLAN404", "1/2"),
+        ("steps: 10_000", "steps: 10_000\n  backbone: tabular", "JOB604", "tabular"),
+        ("steps: 10_000", "steps: 2_000", "JOB609", "2_000"),
         ("FlatWorld-v0", "FlatWrld-v0", "JOB600", "tiloilc/FlatWrld-v0"),
         ("  horizon: 50", "  horizon: 50\n  kwargs: {dt: 1, x: 2}", "JOB600", "kwargs"),
         ("norm(pos)", "norm(posi)", "SPEC111", "posi"),
@@ -73,7 +74,7 @@ def test_independent_faults_are_found_in_one_run_sorted_by_place(tmp_path: Path)
         ("FlatWorld-v0", "FlatWrld-v0"),
         ("norm(pos) < 0.8", "norm(pos < 0.8"),
         ('"G F r', '"G F q'),
-        ("steps: 1_000", "steps: 1_000\n  beta: 0.7\n  sead: 3"),
+        ("steps: 10_000", "steps: 10_000\n  beta: 0.7\n  sead: 3"),
     )
     found = lint(path)
     assert {"JOB600", "SPEC110", "LTL203", "SPEC101"} <= set(codes(found))

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tiloilc.cli.formulas import Propositions, read, show, split_names
+from tiloilc.cli.formulas import Propositions, Written, read, show, split_names
 from tiloilc.diag import CompileError
 
 if TYPE_CHECKING:
+    from tiloilc.ltl import Parsed
     from tiloilc.ltl.ast import Formula
 
 
@@ -25,8 +26,8 @@ def command(
 
     Exit with 1 if F is unsatisfiable, or if F and G are not equivalent.
     """
-    texts = [formula] if other is None else [formula, other]
-    parsed = [read(text, propositions) for text in texts]
+    texts = [Written(formula)] if other is None else [Written(formula), Written(other)]
+    parsed = [_parsed(text, propositions) for text in texts]
     appearing = [name for p in parsed for name in p.propositions]
     names = split_names(propositions) or tuple(dict.fromkeys(appearing))
     try:
@@ -35,10 +36,18 @@ def command(
         else:
             fine = _together(parsed[0].formula, parsed[1].formula, names)
     except CompileError as error:
-        show(error.diagnostics, formula)
+        show(error.diagnostics, texts[0])
         raise typer.Exit(1) from None
     if not fine:
         raise typer.Exit(1)
+
+
+def _parsed(text: Written, propositions: str | None) -> Parsed:
+    try:
+        return read(text, propositions)
+    except CompileError as error:
+        show(error.diagnostics, text)
+        raise typer.Exit(1) from None
 
 
 def _alone(formula: Formula, names: tuple[str, ...]) -> bool:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tiloilc.diag import CompileError, Diagnostic, SourceText, render
+from tiloilc.diag import Diagnostic, SourceText, render
 
 if TYPE_CHECKING:
     from tiloilc.ltl import Parsed
@@ -27,30 +28,44 @@ def split_names(names: str | None) -> tuple[str, ...] | None:
     return None if names is None else tuple(name.strip() for name in names.split(",") if name)
 
 
-def read(text: str, names: str | None = None, file: str = "<formula>") -> Parsed:
-    """A formula given on the command line; its findings show an excerpt of it.
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A formula that stands in no task file: on the command line, or in a line of a file."""
 
-    Warnings are written to standard error. An error ends the program with status 1.
+    text: str
+    file: str = "<formula>"
+    line: int = 1
+
+    @property
+    def name(self) -> str:
+        """The formula without the spaces around it."""
+        return self.text.strip()
+
+    @property
+    def source(self) -> SourceText:
+        """The formula with its places."""
+        plain = SourceText.plain(self.text, self.file)
+        places = tuple((line + self.line - 1, column) for line, column in plain.places)
+        return SourceText(self.text, self.file, places)
+
+
+def read(written: Written, names: str | None = None) -> Parsed:
+    """Parse a formula; its warnings are shown.
+
+    Raises CompileError, to be shown with `show`.
     """
-    import sys
-
     from tiloilc.ltl import parse
 
-    source = SourceText.plain(text, file)
-    try:
-        parsed = parse(source, split_names(names))
-    except CompileError as error:
-        show(error.diagnostics, text, file)
-        raise typer.Exit(1) from None
-    if parsed.warnings:
-        sys.stderr.write(render(parsed.warnings, "text", {file: text}))
+    parsed = parse(written.source, split_names(names))
+    show(parsed.warnings, written)
     return parsed
 
 
-def show(diagnostics: tuple[Diagnostic, ...], text: str, file: str = "<formula>") -> None:
-    """Findings about a formula that stands in no file, on standard error."""
+def show(diagnostics: tuple[Diagnostic, ...], written: Written) -> None:
+    """Findings about a formula, with an excerpt of it, on standard error."""
     import sys
 
     from tiloilc.cli.console import coloured
 
-    sys.stderr.write(render(diagnostics, "text", {file: text}, colour=coloured(sys.stderr)))
+    sources = {written.file: "\n" * (written.line - 1) + written.text}
+    sys.stderr.write(render(diagnostics, "text", sources, colour=coloured(sys.stderr)))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tiloilc.cli.console import fail, say
+from tiloilc.cli.console import fail, report, say
 
 if TYPE_CHECKING:
     from tiloilc.demos import DemoSet
@@ -37,20 +37,26 @@ class Job:
 
 
 @contextmanager
-def open_job(folder: Path, changes: Mapping[str, object] | None = None) -> Iterator[Job]:
+def open_job(
+    folder: Path, changes: Mapping[str, object] | None = None, quiet: bool = False
+) -> Iterator[Job]:
     """The job of a build or run folder, with changed settings.
 
-    While this lasts, modules beside the task file can be imported.
+    While this lasts, modules beside the task file can be imported. Raises CompileError with what is
+    wrong with the changed settings; says what is strange about them, unless `quiet`.
     """
     from tiloilc.demos import DemoSet, load
     from tiloilc.driver import labeller, load_plan, plan_file
     from tiloilc.plan import importable
 
+    if folder.suffix.lower() in (".yaml", ".yml") and folder.is_file():
+        name = folder.as_posix()
+        raise fail(f"`{name}` is a task file; compile it first, or: tiloilc run {name}")
     if not plan_file(folder).is_file():
         raise fail(f"no plan in `{folder.as_posix()}`; compile a task file first")
     plan = load_plan(folder)
     if changes:
-        plan = dataclasses.replace(plan, train=_changed(plan, changes))
+        plan = dataclasses.replace(plan, train=_changed(plan, changes, quiet))
     where = plan_file(folder).parent
     file = where / "demos.npz"
     with importable(plan.root):
@@ -81,10 +87,12 @@ def _value(text: str) -> object:
         return text
 
 
-def _changed(plan: Plan, changes: Mapping[str, object]) -> Settings:
+def _changed(plan: Plan, changes: Mapping[str, object], quiet: bool) -> Settings:
     from pydantic import ValidationError
 
-    from tiloilc.diag import did_you_mean
+    from tiloilc.diag import CompileError, Severity, did_you_mean
+    from tiloilc.driver import settings_findings
+    from tiloilc.spec import refusal
     from tiloilc.spec.settings import Settings
 
     for name in changes:
@@ -92,11 +100,15 @@ def _changed(plan: Plan, changes: Mapping[str, object]) -> Settings:
             hint = did_you_mean(name, sorted(Settings.model_fields))
             raise fail(f"no setting `{name}`" + (f"; {hint}" if hint else ""))
     try:
-        return plan.train.override(changes)
+        settings = plan.train.override(changes)
     except ValidationError as error:
-        first = error.errors()[0]
-        name = ".".join(map(str, first["loc"])) or "settings"
-        raise fail(f"setting `{name}`: {first['msg'].lower()}") from None
+        raise fail(f"setting {refusal(error)}") from None
+    found = list(settings_findings(settings))
+    if any(diagnostic.severity is Severity.ERROR for diagnostic in found):
+        raise CompileError(*found)
+    if not quiet:
+        report(found)
+    return settings
 
 
 def new_run(job: Job, runs: Path) -> Path:

@@ -27,8 +27,8 @@ Out = Annotated[
 def command(runs: Runs, output: Out = None, quiet: Quiet = False) -> None:
     """Write one HTML page of one or several runs.
 
-    Prints its path. Curves with intervals, the automaton, stage occupancy, trajectories, settings and how to
-    reproduce them; the page needs no network.
+    Prints its path. Curves with intervals, the automaton, stage occupancy, trajectories, settings
+    and how to reproduce them; the page needs no network.
     """
     for run in runs:
         if not run.is_dir():

@@ -52,7 +52,7 @@ def command(
     build = Path("build") / result.plan.name
     write_build(result, build)
     say(f"compiled to {build.as_posix()}", quiet)
-    with open_job(build, settings_given(changes or [], steps, seeds)) as job:
+    with open_job(build, settings_given(changes or [], steps, seeds), quiet) as job:
         run = run_to_resume(build, job, runs) if resume else new_run(job, runs)
         say(f"training {job.plan.name}: {job.plan.train.seeds} seeds in {run.as_posix()}", quiet)
         seconds = train_job(job, run, resume, quiet)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tiloilc.cli.console import fail
+
 if TYPE_CHECKING:
     from tiloilc.plan import Plan
 
@@ -12,10 +14,14 @@ if TYPE_CHECKING:
 def plan_of(path: Path) -> Plan:
     """The plan of a build folder, of a plan file, or of a task file that is compiled for this.
 
-    Raises CompileError with the errors that prevent it.
+    Raises CompileError with the errors that prevent it, Exit where there is nothing to read.
     """
-    from tiloilc.driver import compile_spec, read_plan
+    from tiloilc.driver import compile_spec, plan_file, read_plan
 
+    if path.is_dir() and not plan_file(path).is_file():
+        raise fail(f"no plan in `{path.as_posix()}`; compile a task file first")
+    if path.suffix == ".hoa":
+        raise fail("an automaton alone cannot be read yet; give a task file or a plan")
     if path.is_dir() or path.suffix == ".json":
         return read_plan(path)
     return compile_spec(path).plan

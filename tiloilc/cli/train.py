@@ -35,9 +35,10 @@ def command(
 ) -> None:
     """Train the agents of a compiled plan.
 
-    All seeds learn in one program. Prints the run folder. Ctrl-C writes a checkpoint and says how to go on.
+    All seeds learn in one program. Prints the run folder. Ctrl-C writes a checkpoint and says how
+    to go on.
     """
-    with open_job(plan, settings_given(changes or [], steps, seeds)) as job:
+    with open_job(plan, settings_given(changes or [], steps, seeds), quiet) as job:
         run = run_to_resume(plan, job, runs) if resume else new_run(job, runs)
         say(f"training {job.plan.name}: {job.plan.train.seeds} seeds in {run.as_posix()}", quiet)
         train_job(job, run, resume, quiet)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from tiloilc.cli.console import fail
-from tiloilc.cli.formulas import Propositions, read, show
+from tiloilc.cli.formulas import Propositions, Written, read, show
 from tiloilc.diag import CompileError
 
 if TYPE_CHECKING:
@@ -92,55 +92,64 @@ def command(
     if (formula is None) == (file is None):
         raise fail("give a formula, or --file FORMULAS")
     job = _Job(acceptance, propositions, max_states, timeout)
-    texts = [(formula, "<formula>")] if formula is not None else []
+    texts = [Written(formula)] if formula is not None else []
     if file is not None:
-        lines = file.read_text(encoding="utf-8").splitlines()
-        texts = [(line.strip(), f"{file.as_posix()}:{n}") for n, line in enumerate(lines, 1)]
-        texts = [(text, place) for text, place in texts if text and not text.startswith("#")]
+        texts = _formulas(file)
     if format is Format.CSV:
         failed = _table(texts, job)
     else:
-        done = [_one(text, place, format, complete, job) for text, place in texts]
+        done = [_one(text, format, complete, job) for text in texts]
         failed = not all(done)
     if failed:
         raise typer.Exit(1)
 
 
-def _one(text: str, place: str, format: Format, complete: bool, job: _Job) -> bool:
+def _formulas(file: Path) -> list[Written]:
+    """The formulas of a file."""
+    try:
+        lines = file.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise fail(
+            f"cannot read `{file.as_posix()}`: not UTF-8 text (byte {error.start})"
+        ) from None
+    texts = [Written(line, file.as_posix(), n) for n, line in enumerate(lines, 1)]
+    return [text for text in texts if text.name and not text.name.startswith("#")]
+
+
+def _one(text: Written, format: Format, complete: bool, job: _Job) -> bool:
     from tiloilc.automaton import to_dot, to_hoa
     from tiloilc.plan import automaton_json
     from tiloilc.plan.canonical import canonical
 
-    parsed = read(text, job.names, place)
     try:
-        ldba = job.translate(parsed)
+        ldba = job.translate(read(text, job.names))
     except CompileError as error:
-        show(error.diagnostics, text, place)
+        show(error.diagnostics, text)
         return False
     if format is Format.HOA:
-        sys.stdout.write(to_hoa(ldba, name=text, complete=complete, acceptance=job.marks))
+        sys.stdout.write(to_hoa(ldba, name=text.name, complete=complete, acceptance=job.marks))
     elif format is Format.DOT:
-        sys.stdout.write(to_dot(ldba, title=text))
+        sys.stdout.write(to_dot(ldba, title=text.name))
     else:
-        sys.stdout.write(canonical({"formula": text, **automaton_json(ldba)}) + "\n")
+        sys.stdout.write(canonical({"formula": text.name, **automaton_json(ldba)}) + "\n")
     return True
 
 
-def _table(texts: list[tuple[str, str]], job: _Job) -> bool:
+def _table(texts: list[Written], job: _Job) -> bool:
     writer = csv.writer(sys.stdout, lineterminator="\n")
     writer.writerow(COLUMNS)
     failed = False
-    for text, place in texts:
+    for text in texts:
         try:
-            parsed = read(text, job.names, place)
+            parsed = read(text, job.names)
             begun = perf_counter()
             ldba = job.translate(parsed)
             ms = (perf_counter() - begun) * 1000
-            writer.writerow([text, *_sizes(ldba), f"{ms:.2f}"])
+            writer.writerow([text.name, *_sizes(ldba), f"{ms:.2f}"])
         except CompileError as error:
-            show(error.diagnostics, text, place)
+            show(error.diagnostics, text)
             failed = True
-            writer.writerow([text, *[""] * (len(COLUMNS) - 1)])
+            writer.writerow([text.name, *[""] * (len(COLUMNS) - 1)])
         sys.stdout.flush()
     return failed
 

@@ -346,7 +346,7 @@ RULES: dict[str, Rule] = _rules(
         "PLAN401",
         E,
         "stale-plan",
-        "`{path}` changed after the plan was compiled",
+        "`{path}` {change} after the plan was compiled",
         "A plan carries digests of everything it was compiled from. Training on changed inputs "
         "would not be what the plan says; compile again.",
     ),
@@ -520,6 +520,14 @@ RULES: dict[str, Rule] = _rules(
         "the {backbone} backbone cannot learn observations {seen} with actions {actions}",
         "SAC needs a Box of actions; tabular Q-learning needs finitely many observations and "
         "discrete actions. `train.backbone: auto` picks what fits.",
+    ),
+    Rule(
+        "JOB609",
+        W,
+        "nothing-learned",
+        "nothing is learned in {steps} steps: the first {random} are random",
+        "Learning begins after `learning_starts` environment steps, which are taken at random to "
+        "fill the buffers. A run that is not longer than that leaves an untrained policy.",
     ),
     Rule(
         "RUN701",

@@ -13,6 +13,7 @@ from tiloilc.driver.build import (
     write_file,
     write_plan,
 )
+from tiloilc.driver.settings import settings_findings
 
 __all__ = [
     "Analysis",
@@ -24,6 +25,7 @@ __all__ = [
     "load_plan",
     "plan_file",
     "read_plan",
+    "settings_findings",
     "write_build",
     "write_file",
     "write_plan",

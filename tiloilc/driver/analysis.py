@@ -11,19 +11,17 @@ from numpy.typing import NDArray
 
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import DemoSet, check_replays, check_shape, demonstrations_for, replay_all
-from tiloilc.diag import Diagnostic, Severity, SourceText
+from tiloilc.diag import Diagnostic, Severity, SourceText, Span
 from tiloilc.driver.environment import Asked, ask
 from tiloilc.driver.findings import Findings
 from tiloilc.driver.formula import meaning, translated, unused
+from tiloilc.driver.settings import settings_findings
 from tiloilc.label import compile_predicates
 from tiloilc.ltl import Parsed, parse
 from tiloilc.plan import Stages, importable, stage_findings, stage_plan
 from tiloilc.spec import Document, Environment, Spec, examine_spec
 
 Labels = Callable[[NDArray[np.float32]], NDArray[np.int64]]
-
-MAX_BETA = 0.5
-"""Below it a later stage always pays more than an earlier one (paper, below Eq. 8)."""
 
 NEED_FIELDS = ("SPEC111", "SPEC112", "SPEC114", "SPEC120")
 """What cannot be said about a predicate while the fields of the observation are not known."""
@@ -57,7 +55,7 @@ def analyse(path: str | os.PathLike[str]) -> Analysis:
     document, spec, found = examine_spec(path)
     findings = Findings(list(found))
     if spec is not None:
-        findings.add(_settings(spec, document))
+        findings.add(settings_findings(spec.train, lambda name: _setting(document, name)))
     parsed = findings.attempt(lambda: _parse(document)) if _has_formula(document) else None
     ldba, stages = _automaton(parsed, document, findings)
     if document.has("automaton"):
@@ -123,13 +121,10 @@ def _no_automata_yet(document: Document, findings: Findings) -> None:
     findings.add([Diagnostic.of("AUT302", span, problem=problem, help="write `formula:`")])
 
 
-def _settings(spec: Spec, document: Document) -> list[Diagnostic]:
-    """PLAN404."""
-    if spec.train.beta < MAX_BETA:
-        return []
-    given = document.has("train", "beta")
-    span = document.span("train", "beta") if given else document.key_span("train")
-    return [Diagnostic.of("PLAN404", span, beta=f"{spec.train.beta:g}", help="1/3 is usual")]
+def _setting(document: Document, name: str) -> Span:
+    """Where a setting is given, or the key of the section that it could stand in."""
+    given = document.has("train", name)
+    return document.span("train", name) if given else document.key_span("train")
 
 
 def _environment(document: Document, spec: Spec | None) -> Environment | None:

@@ -131,8 +131,7 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
     plan = read_plan(file)
     stale = list(_changed(plan, file.parent))
     if stale:
-        help = f"compile again: tiloilc compile {_spec_path(plan)}"
-        raise CompileError(*(Diagnostic.of("PLAN401", path=name, help=help) for name in stale))
+        raise CompileError(*(_stale(plan, name, file.parent) for name in stale))
     return plan
 
 
@@ -209,10 +208,22 @@ def _changed(plan: Plan, folder: Path) -> list[str]:
     return changed
 
 
+def _stale(plan: Plan, name: str, folder: Path) -> Diagnostic:
+    """PLAN401 of one input."""
+    expected = (folder if name == DEMOS else Path(plan.root)) / name
+    change, help = "changed", f"compile again: tiloilc compile {_spec_path(plan)}"
+    if not expected.is_file():
+        change, help = "was moved or deleted", f"put it back: {_seen_from_here(expected)}"
+    return Diagnostic.of("PLAN401", path=name, change=change, help=help)
+
+
+def _seen_from_here(path: Path) -> str:
+    return Path(os.path.relpath(path)).as_posix()
+
+
 def _spec_path(plan: Plan) -> str:
     name = next((k[5:] for k in plan.digests if k.startswith("spec:")), "SPEC")
-    path = Path(os.path.relpath(Path(plan.root) / name))
-    return path.as_posix()
+    return _seen_from_here(Path(plan.root) / name)
 
 
 def _demo_bytes(demos: DemoSet) -> bytes:

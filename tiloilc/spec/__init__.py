@@ -1,6 +1,7 @@
 """YAML text to a typed, frozen task with the place of every node."""
 
 from tiloilc.spec.model import Demonstrations, Environment, Evaluate, PythonPredicate, Spec
+from tiloilc.spec.problems import refusal
 from tiloilc.spec.read import Document, SpecFile, examine_spec, examine_text, read_spec
 from tiloilc.spec.schema import json_schema
 from tiloilc.spec.settings import Settings, Train
@@ -19,4 +20,5 @@ __all__ = [
     "examine_text",
     "json_schema",
     "read_spec",
+    "refusal",
 ]

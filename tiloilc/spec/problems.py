@@ -62,7 +62,23 @@ def model_findings(error: ValidationError, root: Node) -> Iterator[Diagnostic]:
         else:
             wrong.setdefault(path, []).append(detail)
     for path, details in wrong.items():
+        if details[0]["type"] == "too_short" and any(p[: len(path)] == path != p for p in wrong):
+            continue  # items that are refused are not counted
         yield _wrong(root, path, details)
+
+
+def refusal(error: ValidationError) -> str:
+    """The first thing that the model refuses in values that stand in no file."""
+    detail = error.errors(include_url=False)[0]
+    name, wanted = _dotted(detail["loc"][:1]), _wanted(detail)
+    if detail["type"] in ("value_error", "assertion_error"):
+        return f"`{name}` {_stated(detail)}"
+    if detail["type"] == "too_short":
+        return f"`{name}` must not be empty"
+    given = shorten(str(detail["input"]), 40)
+    return (
+        f"`{name}` must be {wanted}, not `{given}`" if wanted else f"`{name}` cannot be `{given}`"
+    )
 
 
 def place_of(root: Node, path: Location) -> Span:
