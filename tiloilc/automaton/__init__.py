@@ -3,6 +3,7 @@
 from tiloilc.automaton.compare import difference_word, satisfying_word
 from tiloilc.automaton.complement import rejected_word
 from tiloilc.automaton.draw import to_dot, to_mermaid, to_svg
+from tiloilc.automaton.graphviz import rendered
 from tiloilc.automaton.guards import guard_text
 from tiloilc.automaton.hoa import to_hoa
 from tiloilc.automaton.ldba import Cube, Edge, Ldba, Letter, StateId
@@ -25,6 +26,7 @@ __all__ = [
     "guard_text",
     "is_empty",
     "rejected_word",
+    "rendered",
     "satisfying_word",
     "to_dot",
     "to_hoa",

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
+from tiloilc.automaton.graphviz import rendered
 from tiloilc.automaton.guards import guard_text
 from tiloilc.automaton.ldba import Ldba, StateId
 
@@ -62,13 +63,7 @@ def to_dot(ldba: Ldba, stages: HasIndex | None = None, title: str | None = None)
 
 def to_svg(ldba: Ldba, stages: HasIndex | None = None, title: str | None = None) -> str:
     """`ldba` as SVG text, laid out by Graphviz; the same text every time."""
-    import pygraphviz
-
-    graph = pygraphviz.AGraph(string=to_dot(ldba, stages, title))
-    try:
-        drawn = graph.draw(format="svg", prog="dot")
-    finally:
-        graph.close()
+    drawn = rendered(to_dot(ldba, stages, title), "svg")
     text = drawn.decode("utf-8").replace("\r\n", "\n")
     text = re.sub(r"<!--.*?-->\n?", "", text, flags=re.DOTALL)
     return text.replace(

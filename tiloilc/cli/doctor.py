@@ -108,11 +108,9 @@ def _optional(fast: bool) -> Iterator[Finding]:
 
 def _drawing() -> Iterator[Finding]:
     try:
-        import pygraphviz
+        from tiloilc.automaton import rendered
 
-        graph = pygraphviz.AGraph(directed=True)
-        graph.add_edge("a", "b")
-        graph.draw(format="svg", prog="dot")
+        rendered("digraph { a -> b }", "svg")
     except Exception as error:
         yield Finding("broken", "drawing", _words(error), "pip install -U 'pygraphviz>=2'")
     else:

@@ -32,7 +32,7 @@ def command(
     quiet: Quiet = False,
 ) -> None:
     """Draw the automaton of a task, with its stages."""
-    from tiloilc.automaton import to_dot, to_mermaid, to_svg
+    from tiloilc.automaton import rendered, to_dot, to_mermaid, to_svg
     from tiloilc.driver import write_file
 
     kind = "dot" if out is None else SUFFIXES.get(out.suffix.lower())
@@ -40,7 +40,7 @@ def command(
         raise fail(f"a picture ends in one of {', '.join(SUFFIXES)}")
     plan = plan_of(source)
     if kind == "png":
-        data: str | bytes = _png(to_dot(plan.ldba, plan.stages, plan.formula))
+        data: str | bytes = rendered(to_dot(plan.ldba, plan.stages, plan.formula), "png")
     else:
         draw = {"svg": to_svg, "dot": to_dot, "mermaid": to_mermaid}[kind]
         data = draw(plan.ldba, plan.stages, plan.formula)
@@ -51,11 +51,3 @@ def command(
     out.parent.mkdir(parents=True, exist_ok=True)
     write_file(out, data)
     say(f"wrote {out.as_posix()}", quiet)
-
-
-def _png(dot: str) -> bytes:
-    import pygraphviz
-
-    drawn = pygraphviz.AGraph(string=dot).draw(format="png", prog="dot")
-    assert isinstance(drawn, bytes)
-    return drawn
