@@ -278,7 +278,7 @@ def test_nothing_is_claimed_before_an_episode_has_ended() -> None:
 @pytest.mark.parametrize("at", range(1, 14))
 def test_a_loop_goes_on_from_its_state_at_any_step(at: int) -> None:
     """Seeds die at different times, so episodes are at different steps when the state is taken."""
-    deadly = ring(["far"], "deadly"), beyond(9, 0.6)
+    deadly = ring(["far"], "deadly"), beyond(9, 0.3)
 
     def build(until: int) -> tuple[Loop, Spy]:
         return looped(*deadly, until=until, world="TestsDrift-v0", action=[0.6], horizon=6)
@@ -297,16 +297,13 @@ def test_a_loop_goes_on_from_its_state_at_any_step(at: int) -> None:
     assert spy.segments == expected.segments[len(expected.segments) - len(spy.segments) :]
 
 
-def test_copies_of_that_test_are_indeed_at_different_steps() -> None:
-    loop, _ = looped(
-        ring(["far"], "deadly"),
-        beyond(9, 0.6),
-        until=13,
-        world="TestsDrift-v0",
-        action=[0.6],
-        horizon=6,
-    )
-    assert len(set(loop.product.elapsed.tolist())) == 2
+def test_copies_of_that_test_are_at_different_steps_some_of_the_time() -> None:
+    deadly = ring(["far"], "deadly"), beyond(9, 0.3)
+    elapsed = []
+    for until in range(1, 14):
+        loop, _ = looped(*deadly, until=until, world="TestsDrift-v0", action=[0.6], horizon=6)
+        elapsed.append(tuple(loop.product.elapsed.tolist()))
+    assert any(first != second for first, second in elapsed), elapsed
 
 
 def test_resuming_steps_no_environment_past_its_end() -> None:

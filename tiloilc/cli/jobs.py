@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import tiloilc
 from tiloilc.cli.console import fail, report, say
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from tiloilc.spec.settings import Settings
 
 RUNS = Path("runs")
-TIMING = "timing.json"
+TIMING, EVENTS = "timing.json", "events.jsonl"
 COPIED = ("demos.npz", "demos.json", "automaton.svg", "automaton.hoa")
 """What a run takes along from the build folder, so that it stands on its own."""
 
@@ -54,7 +55,7 @@ def open_job(
         raise fail(f"`{name}` is a task file; compile it first, or: tiloilc run {name}")
     if not plan_file(folder).is_file():
         raise fail(f"no plan in `{folder.as_posix()}`; compile a task file first")
-    plan = load_plan(folder)
+    plan = load_plan(folder, of_run=(plan_file(folder).parent / EVENTS).is_file())
     if changes:
         plan = dataclasses.replace(plan, train=_changed(plan, changes, quiet))
     where = plan_file(folder).parent
@@ -202,7 +203,7 @@ def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]
         "wall_seconds": _spent(run),
         "machine": protocol.machine(),
         "versions": protocol.versions(),
-        "git_commit": protocol.git_commit(Path(job.plan.root)),
+        "git_commit": protocol.git_commit(Path(tiloilc.__file__).parent),
     }
     evaluation, trajectories = protocol.evaluate_run(
         job.plan, job.demos, job.labels, run, episodes or job.plan.evaluate.episodes, about

@@ -548,9 +548,9 @@ RULES: dict[str, Rule] = _rules(
     Rule(
         "RUN703",
         E,
-        "checkpoint-not-written",
-        "cannot write a checkpoint in `{path}`: {problem}",
-        "The disk is full or not writable. The checkpoint before this one is intact.",
+        "run-not-written",
+        "cannot write in `{path}`: {problem}",
+        "The disk is full or not writable. The last checkpoint is intact.",
     ),
     Rule(
         "RUN704",

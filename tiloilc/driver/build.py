@@ -6,6 +6,7 @@ import dataclasses
 import hashlib
 import os
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -122,14 +123,16 @@ def write_plan(plan: Plan, path: Path) -> None:
     write_file(path, to_json(dataclasses.replace(plan, root=Path(root).as_posix())))
 
 
-def load_plan(path: str | os.PathLike[str]) -> Plan:
+def load_plan(path: str | os.PathLike[str], *, of_run: bool = False) -> Plan:
     """The plan in a build folder, or in a file, with its `root` made absolute.
 
-    Raises CompileError PLAN401 for each input that changed since, PLAN407 if it cannot be read.
+    A run stands on its own: its task file may have been edited since. Raises CompileError PLAN401
+    for each input that changed, PLAN407 if the plan cannot be read.
     """
     file = plan_file(Path(path))
     plan = read_plan(file)
-    stale = list(_changed(plan, file.parent))
+    held = ("spec", "demonstrations") if of_run else ()
+    stale = list(_changed(plan, file.parent, held))
     if stale:
         raise CompileError(*(_stale(plan, name, file.parent) for name in stale))
     return plan
@@ -192,15 +195,17 @@ def _inputs(spec: Spec, root: Path) -> dict[str, str]:
     return {key: _sha256(root / key.partition(":")[2]) for key in sorted(files)}
 
 
-def _changed(plan: Plan, folder: Path) -> list[str]:
+def _changed(plan: Plan, folder: Path, held: Sequence[str]) -> list[str]:
     """The inputs that differ from the plan's digests, as the user would name them.
 
-    A task file or a file of demonstrations that is gone changes nothing: the plan holds what was
-    in it. What training itself needs must be there.
+    Kinds in `held` are not looked at. A task file or a file of demonstrations that is gone changes
+    nothing: the plan holds what was in it. What training itself needs must be there.
     """
     changed = []
     for key, digest in plan.digests.items():
         kind, _, name = key.rpartition(":")
+        if kind in held:
+            continue
         path = Path(plan.root) / name if kind else folder / name
         gone = not path.is_file()
         if kind not in ("spec", "demonstrations") if gone else _sha256(path) != digest:

@@ -19,6 +19,7 @@ from tiloilc.evaluate.optimum import Optimum, task_optimum
 from tiloilc.evaluate.rollout import Arena, Rollout
 from tiloilc.learn import EVENTS, Labels, Metrics, Policy, last_events, load_policy, make_loop
 from tiloilc.plan import Plan, digest
+from tiloilc.spec.settings import Settings
 
 GAMMA = 0.99
 """The discount of the paper's metric (Eq. 18), whatever an agent is trained with."""
@@ -100,7 +101,7 @@ def evaluate_run(
         "plan_digest": digest(plan),
         "algorithm": settings.algorithm,
         "preset": settings.preset,
-        "steps": settings.steps,
+        "steps": _steps(settings),
         "seeds": list(range(settings.first_seed, settings.first_seed + settings.seeds)),
         "episodes": episodes,
         "gamma": GAMMA,
@@ -110,6 +111,12 @@ def evaluate_run(
         "interrupted": False,
         **about,
     }, trajectories
+
+
+def _steps(settings: Settings) -> int:
+    """Environment steps that were taken: cloning ends where learning would begin."""
+    cloning = settings.algorithm == "cloning"
+    return settings.learning_starts if cloning else settings.steps
 
 
 def task_optimum_of(plan: Plan, labels: Labels) -> Optimum | None:

@@ -72,6 +72,8 @@ def load_checkpoint(folder: Path, plan_digest: str) -> tuple[State, Pointer, str
         else:
             if pointer.plan_digest != plan_digest:
                 raise CompileError(Diagnostic.of("RUN704", path=folder.parent.as_posix()))
+            if problems:  # the damaged one must not become `previous` with the next save
+                replace_file(folder / LAST, (folder / name).read_bytes())
             return load(data), pointer, problems[0] if problems else None
     raise CompileError(
         Diagnostic.of("RUN701", path=folder.parent.as_posix(), problem="; ".join(problems))

@@ -9,6 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.learn.cloning import clone, cloning_loss, fit_inverse_dynamics
 from tiloilc.learn.discriminators import Discriminators, StageBuffers
 from tiloilc.learn.replay import Batch, Layout, Replay
@@ -81,7 +82,9 @@ class SacAgent:
         if not greedy:
             noise = torch.rand(value.shape, generator=self.generator).clamp(1e-9, 1 - 1e-9)
             alpha = self.sac.log_alpha.detach().exp()[:, None, None]
-            value = value - alpha * (-noise.log()).log()
+            filled = offered == offered[..., :1]  # rows are filled up with their first option
+            filled[..., 0] = False
+            value = (value - alpha * (-noise.log()).log()).masked_fill(filled, -torch.inf)
         return offered.gather(-1, value.argmax(-1, keepdim=True)).squeeze(-1).numpy()
 
     def _option_values(self, observation: Tensor, options: Tensor, greedy: bool) -> Tensor:
@@ -136,6 +139,12 @@ class SacAgent:
             return None
         before = torch.from_numpy(shown.observation).expand(seeds, -1, -1)
         after = torch.from_numpy(shown.next_observation).expand(seeds, -1, -1)
+        if shown.action is None and len(self.replay) == 0:
+            problem = "actions cannot be inferred before a step was taken"
+            help = "take random steps first, 2,000 for instance"
+            raise CompileError(
+                Diagnostic.of("JOB604", setting="learning_starts", problem=problem, help=help)
+            )
         if shown.action is None:
             inverse = fit_inverse_dynamics(self.replay, self.layout, self.generator)
             with torch.no_grad():
@@ -246,7 +255,7 @@ def _scale(space: Space[Any], shown: Shown) -> tuple[Tensor, Tensor]:
         low, high = np.full(d, -np.inf), np.full(d, np.inf)
     low, high = low.reshape(-1), high.reshape(-1)
     bounded = np.isfinite(low) & np.isfinite(high) & (high - low < 1e6)
-    seen = shown.observation if len(shown.observation) else np.zeros((1, len(low)), np.float32)
+    seen = shown.positive if len(shown.positive) else np.zeros((1, len(low)), np.float32)
     with np.errstate(invalid="ignore", over="ignore"):
         middle = np.where(bounded, (low + high) / 2, seen.mean(0))
         half = np.where(bounded, (high - low) / 2, seen.std(0))

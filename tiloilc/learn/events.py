@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
+
+from tiloilc.diag import CompileError, Diagnostic
 
 
 class Events:
@@ -19,11 +22,19 @@ class Events:
     def write(self, kind: str, step: int, **fields: object) -> None:
         """Add one event."""
         line = json.dumps({"type": kind, "step": step, **fields}, separators=(",", ":"))
-        self._file.write(line.encode() + b"\n")
-        self._file.flush()
+        try:
+            self._file.write(line.encode() + b"\n")
+            self._file.flush()
+        except OSError as error:
+            path, problem = Path(self._file.name), (error.strerror or str(error)).lower()
+            help = "free some space and go on with --resume"
+            raise CompileError(
+                Diagnostic.of("RUN703", path=path.parent.as_posix(), problem=problem, help=help)
+            ) from None
 
     def size(self) -> int:
-        """Bytes written so far: where to cut when resuming from now."""
+        """Bytes written so far, all of them on the disk: where to cut when resuming from now."""
+        os.fsync(self._file.fileno())
         return self._file.tell()
 
     def __enter__(self) -> Events:

@@ -199,5 +199,6 @@ class Loop:
     def _seeds(self, episodes: Int) -> list[int]:
         """A seed for each copy's episode: by agent, copy and number."""
         first = self.settings.first_seed
-        entropy = [[first + i // self.shape[1], i, int(n)] for i, n in enumerate(episodes)]
+        copies = self.shape[1]
+        entropy = [[first + i // copies, i % copies, int(n)] for i, n in enumerate(episodes)]
         return [int(np.random.SeedSequence(e).generate_state(1)[0]) for e in entropy]

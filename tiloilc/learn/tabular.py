@@ -128,7 +128,7 @@ class TabularAgent:
         if greedy:
             return values.argmax(-1).numpy() + self.first_action
         noise = torch.rand(values.shape, generator=self.generator)
-        best = (values + 1e-5 * noise).argmax(-1)
+        best = torch.where(values == values.amax(-1, keepdim=True), noise, -1.0).argmax(-1)
         anything = torch.randint(self.actions, best.shape, generator=self.generator)
         stray = torch.rand(best.shape, generator=self.generator) < self.settings.exploration
         return torch.where(stray, anything, best).numpy() + self.first_action
@@ -142,7 +142,8 @@ class TabularAgent:
         offered = torch.from_numpy(options)
         seed = torch.arange(len(options))[:, None, None]
         cells = torch.from_numpy(self._cells(observations))[..., None]
-        soft = self.q[seed, cells, self.table.code[offered]].amax(-1)
+        arrived = self.table.code[offered]
+        soft = self.q[seed, cells, arrived].amax(-1).maximum(self.floor[cells, arrived])
         value = option_values(self.table, offered, soft, self.settings)
         return offered.gather(-1, value.argmax(-1, keepdim=True)).squeeze(-1).numpy()
 

@@ -77,7 +77,9 @@ def option_values(
     if not settings.exact_entry:
         return soft_value
     most = 1 / (1 - settings.gamma)
-    value = torch.where(table.accepting[options], most, soft_value)
+    value = soft_value
+    if settings.segment:
+        value = torch.where(table.accepting[options], most, soft_value)
     return torch.where(table.sink[options], settings.sink_reward * most, value)
 
 

@@ -178,7 +178,7 @@ class _Session:
         policy = loop.agent.policy()
         if self.has_just_cloned:
             self.cloning = {name: tensor.clone() for name, tensor in policy.items()}
-        if not loop.exploring:
+        elif not loop.exploring:
             visits, violations = metrics["accepting_visits"], metrics["violation_rate"]
             self.best.offer(policy, [v or 0.0 for v in visits], [v or 0.0 for v in violations])
         return metrics

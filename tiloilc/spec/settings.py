@@ -15,7 +15,7 @@ def _entropy(value: object) -> object:
     return value if value == "tuned" else to_number(value)
 
 
-Entropy = Annotated[Literal["tuned"] | float, BeforeValidator(_entropy)]
+Entropy = Annotated[Literal["tuned"] | Annotated[float, Field(gt=0)], BeforeValidator(_entropy)]
 Share = Annotated[float, BeforeValidator(to_number), Field(ge=0, le=1)]
 Positive = Annotated[float, BeforeValidator(to_number), Field(gt=0)]
 Count = Annotated[int, BeforeValidator(to_number), Field(gt=0)]
