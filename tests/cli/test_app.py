@@ -135,3 +135,27 @@ def test_output_that_nobody_reads_is_no_error(root: Path) -> None:
         cwd=root, capture_output=True, text=True, timeout=60,
     )  # fmt: skip
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (OSError(28, "No space left on device"), "error: No space left on device\n"),
+        (OSError(21, "Is a directory", ".x.tmp", None, "x"), "error: cannot use `x`: Is a dir"),
+    ],
+)
+def test_what_the_machine_refuses_is_not_our_fault(
+    run: Run, monkeypatch: pytest.MonkeyPatch, error: OSError, said: str
+) -> None:
+    def fails() -> None:
+        raise error
+
+    verb(monkeypatch, fails)
+    status, _, err = run("schema")
+    assert status == 2
+    assert err.startswith(said)
+
+
+def test_closed_streams_are_no_reason_to_fail(root: Path) -> None:
+    closed = "import sys; sys.stdout = sys.stderr = None; from tiloilc.cli import main; "
+    assert python("-c", closed + "main(['translate', 'F a'])", cwd=root).returncode == 0

@@ -2,6 +2,7 @@ import sys
 import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.driver.specs import ENVIRONMENT, spec
@@ -280,3 +281,63 @@ def test_a_python_predicate_is_tried(tmp_path: Path, body: str, said: str) -> No
     assert finding.code == "SPEC117"
     assert said in finding.message
     assert excerpt(path, finding) == "near.py:near"
+
+
+ARM = """\
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Discrete, MultiDiscrete
+
+class Arm(gymnasium.Env):
+    def __init__(self, table=False):
+        self.observation_space = MultiDiscrete([3, 3]) if table else Box(-9, 9, (2,))
+        self.action_space = Discrete(4) if table else Box(-1, 1, (2,))
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        return np.ones(2, self.observation_space.dtype), {}
+
+    def step(self, action):
+        return np.ones(2, self.observation_space.dtype), 0.0, False, False, {}
+
+gymnasium.register("Arm-v0", entry_point=Arm)
+"""
+
+
+@pytest.mark.parametrize(
+    ("table", "states", "actions", "said"),
+    [
+        (False, 0.5, np.zeros((4, 2)), ""),
+        (False, 0.5, np.full((4, 2), 1.0005), ""),
+        (False, 0.5, np.zeros((4, 5)), "its actions have shape [5], not [2]"),
+        (False, 0.5, np.zeros(4), "its actions have shape [], not [2]"),
+        (False, 0.5, np.full((4, 2), 1.5), "within the bounds"),
+        (True, 2.0, np.full(4, 3), ""),
+        (True, 2.0, np.full(4, 4), "among 0 to 3"),
+        (True, 2.0, np.full(4, 0.5), "among 0 to 3"),
+        (True, 3.0, np.full(4, 3), "its states"),
+        (True, 0.5, np.full(4, 3), "its states"),
+    ],
+)
+def test_demonstrations_lie_in_the_spaces_of_the_environment(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    table: bool,
+    states: float,
+    actions: np.ndarray,
+    said: str,
+) -> None:
+    monkeypatch.delitem(sys.modules, "arm", raising=False)
+    (tmp_path / "arm.py").write_text(ARM, encoding="utf-8")
+    np.savez(tmp_path / "d.npz", observations_0=np.full((5, 2), states), actions_0=actions)
+    path = spec(
+        tmp_path,
+        ("tiloilc/FlatWorld-v0", f"arm:Arm-v0\n  kwargs: {{table: {str(table).lower()}}}"),
+        ("propositions:", "observation: {pos: [0, 2]}\npropositions:"),
+        ("train:", "demonstrations: {file: d.npz, actions: recorded}\ntrain:"),
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # each test registers it anew
+        found = [d for d in lint(path) if d.severity is Severity.ERROR]
+    assert [d.code for d in found] == (["DEMO507"] if said else [])
+    assert all(said in d.message and excerpt(path, d) == "d.npz" for d in found)

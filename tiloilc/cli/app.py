@@ -63,6 +63,9 @@ def build_app(wanted: str | None = None) -> typer.Typer:
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and exit: 0 fine, 1 findings, 2 usage, missing file, internal error."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    if sys.stdout is None or sys.stderr is None:  # closed by whoever started us
+        nowhere = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # until the end
+        sys.stdout, sys.stderr = sys.stdout or nowhere, sys.stderr or nowhere
     try:
         build_app(next(iter(given), None))(given, prog_name="tiloilc")
     except CompileError as error:
@@ -75,8 +78,10 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     except Exception as error:
         if os.environ.get(TRACEBACK):
             raise
-        if isinstance(error, OSError) and error.filename is not None:
-            sys.stderr.write(f"error: cannot use `{error.filename}`: {error.strerror}\n")
+        if isinstance(error, OSError) and error.strerror is not None:
+            name = error.filename2 or error.filename  # of a renaming, where it should go
+            what = f"cannot use `{name}`: " if name is not None else ""
+            sys.stderr.write(f"error: {what}{error.strerror}\n")
         else:
             sys.stderr.write(_internal(error, given))
         sys.exit(2)

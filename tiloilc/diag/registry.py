@@ -456,6 +456,14 @@ RULES: dict[str, Rule] = _rules(
         "`source: expert` works for the environments that come with tiloilc. For others, give "
         "demonstrations with `file:`.",
     ),
+    Rule(
+        "DEMO507",
+        E,
+        "outside-the-spaces",
+        "demonstration {index} does not fit the environment: {problem}",
+        "Recorded actions must be actions of the environment, in its own units, and where a table "
+        "is learned, every demonstrated state must be a cell of it.",
+    ),
     # Environment and settings
     Rule(
         "JOB600",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import DemoSet, check_replays, check_shape, demonstrations_for, replay_all
 from tiloilc.diag import Diagnostic, Severity, SourceText, Span
+from tiloilc.driver.demonstrations import fit_findings
 from tiloilc.driver.environment import Asked, ask
 from tiloilc.driver.findings import Findings
 from tiloilc.driver.formula import meaning, translated, unused
@@ -222,7 +223,7 @@ def _demonstrations(
     )
     if not demos:
         return demos
-    wrong = check_shape(demos, asked.dimensions, span)
+    wrong = check_shape(demos, asked.dimensions, span) or list(fit_findings(demos, asked, span))
     findings.add(wrong)
     if wrong:
         return None

@@ -1,6 +1,6 @@
 """The product of environment and automaton, many copies at once: labels, steps, segments."""
 
-from tiloilc.product.environment import Copies, Floats, is_finite
+from tiloilc.product.environment import Copies, Floats, bounds, is_finite
 from tiloilc.product.product import Product
 from tiloilc.product.segments import Segment, Segmenter
 from tiloilc.product.walk import Int, Walk, walk_tables
@@ -13,6 +13,7 @@ __all__ = [
     "Segment",
     "Segmenter",
     "Walk",
+    "bounds",
     "is_finite",
     "walk_tables",
 ]

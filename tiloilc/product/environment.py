@@ -57,7 +57,7 @@ class Copies:
             else prod(self.observation_space.shape or (1,))
         )
         self._seen: Floats = np.zeros((count, self.dimensions), dtype=np.float32)
-        self._range = _range(self.observation_space) if self.finite else None
+        self._range = bounds(self.observation_space) if self.finite else None
 
     def reset(self, seeds: Sequence[int], mask: NDArray[np.bool_]) -> Floats:
         """Begin an episode in the copies of `mask`; `seeds` has one entry for each copy.
@@ -151,7 +151,7 @@ def is_finite(observation_space: gym.Space[Any], action_space: gym.Space[Any]) -
     )
     if not whole or not isinstance(action_space, spaces.Discrete):
         return False
-    low, high = _range(observation_space)
+    low, high = bounds(observation_space)
     cells = 1
     for first, last in zip(low.tolist(), high.tolist(), strict=True):
         cells *= int(last) - int(first) + 1
@@ -160,7 +160,7 @@ def is_finite(observation_space: gym.Space[Any], action_space: gym.Space[Any]) -
     return True
 
 
-def _range(space: gym.Space[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def bounds(space: gym.Space[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The least and the greatest flat observation of a finite space."""
     from gymnasium import spaces
 
