@@ -262,3 +262,38 @@ def test_a_killed_program_resumed_ends_as_if_never_killed(
     second = Path("runs") / name / "0002"
     assert (first / "events.jsonl").read_bytes() == (second / "events.jsonl").read_bytes()
     assert policies(first) == policies(second) != []
+
+
+def test_a_run_is_trained_by_one_process_at_a_time(build: Path, run: Run) -> None:
+    fcntl = pytest.importorskip("fcntl")
+    run("train", build, "-q")
+    folder = Path("runs/round/0001")
+    before = {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()}
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        status, out, err = run("train", folder, "--resume", "-q")
+    finally:
+        os.close(handle)
+    assert (status, out) == (2, "")
+    assert err == "error: `runs/round/0001` is being trained by another process\n"
+    assert {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()} == before
+    assert run("train", folder, "--resume", "-q")[0] == 0
+
+
+def test_a_damaged_run_does_not_stand_in_the_way_of_another(build: Path, run: Run) -> None:
+    run("train", build, "-q")
+    run("train", build, "-q", "--steps", 30)
+    Path("runs/round/0002/plan.json").write_text("{")
+    assert run("train", build, "-q", "--resume") == (0, "runs/round/0001\n", "")
+
+
+@pytest.mark.parametrize("log", [b"\xff\xfe\n", b"[]\n", b'{"type": "ev', None])
+def test_eval_says_which_file_of_a_run_is_damaged(build: Path, run: Run, log: bytes | None) -> None:
+    run("train", build, "-q")
+    events = Path("runs/round/0001/events.jsonl")
+    events.unlink() if log is None else events.write_bytes(log)
+    status, _, err = run("eval", "runs/round/0001")
+    assert status == 1
+    assert "RUN701" in err
+    assert "events.jsonl" in err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
 import shutil
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -136,6 +137,7 @@ def new_run(job: Job, runs: Path) -> Path:
 
 def run_to_resume(folder: Path, job: Job, runs: Path) -> Path:
     """The run that `--resume` means: the folder itself if it is one, else this plan's newest."""
+    from tiloilc.diag import CompileError
     from tiloilc.driver import read_plan
     from tiloilc.plan import digest
 
@@ -145,8 +147,11 @@ def run_to_resume(folder: Path, job: Job, runs: Path) -> Path:
     wanted = digest(job.plan)
     found = sorted(p.parent for p in parent.glob("[0-9]*/plan.json")) if parent.is_dir() else []
     for run in reversed(found):
-        if digest(read_plan(run)) == wanted:
-            return run
+        try:
+            if digest(read_plan(run)) == wanted:
+                return run
+        except CompileError:  # damaged, or of another version: it cannot be meant
+            continue
     raise fail(f"no run of this plan in `{parent.as_posix()}` to go on with")
 
 
@@ -174,7 +179,7 @@ def train_job(job: Job, run: Path, resume: bool, quiet: bool) -> float:
     }
     validator = Validator(job.plan, job.labels)
     began = time.monotonic()
-    with Progress(job.plan, quiet) as progress:
+    with _alone(run), Progress(job.plan, quiet) as progress:
         outcome = train(
             job.plan, job.demos, job.labels, run, validator, progress.watch, about, resume
         )
@@ -187,6 +192,25 @@ def train_job(job: Job, run: Path, resume: bool, quiet: bool) -> float:
         say(f"  tiloilc train {run.as_posix()} --resume")
         raise typer.Exit(130)
     return seconds
+
+
+@contextmanager
+def _alone(run: Path) -> Iterator[None]:
+    """Hold the run folder, where the system has such locks: two logs in one are none."""
+    try:
+        import fcntl
+    except ImportError:  # pragma: no cover - Windows
+        yield
+        return
+    handle = os.open(run, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise fail(f"`{run.as_posix()}` is being trained by another process") from None
+        yield
+    finally:
+        os.close(handle)
 
 
 def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]:

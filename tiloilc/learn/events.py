@@ -50,7 +50,13 @@ class Events:
 
 
 def last_events(path: Path, kind: str) -> list[Mapping[str, object]]:
-    """All events of one type, in order."""
-    with path.open(encoding="utf-8") as file:
-        events = [json.loads(line) for line in file]
-    return [event for event in events if event["type"] == kind]
+    """All events of one type, in order. Raises CompileError RUN701 if the log cannot be read."""
+    try:
+        with path.open(encoding="utf-8") as file:
+            events = [json.loads(line) for line in file]
+        return [event for event in events if event["type"] == kind]
+    except (OSError, ValueError, KeyError, TypeError):
+        there = "is damaged" if path.is_file() else "is missing"
+        problem = f"{path.name} {there}"
+        run = path.parent.as_posix()
+        raise CompileError(Diagnostic.of("RUN701", path=run, problem=problem)) from None
