@@ -36,7 +36,7 @@ class Settings(Model):
         description="auto: tabular Q-learning on finite environments, SAC elsewhere"
     )
     steps: Count = Field(description="environment steps, per seed")
-    seeds: Count = Field(description="independent agents, trained together")
+    seeds: Count = Field(le=1000, description="independent agents, trained together")
     first_seed: Whole = Field(ge=0, description="the first agent's seed; the others count up")
     checkpoint_every: Count = Field(description="environment steps between two checkpoints")
 
