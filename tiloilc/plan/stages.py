@@ -58,19 +58,13 @@ def stage_plan(ldba: Ldba, span: Span | None = None) -> Stages:
     return Stages(index, length, distance, positive, negative)
 
 
-def max_stage(
-    stages: Stages,
-    states: Sequence[StateId] | NDArray[np.int64],
-    accepting: NDArray[np.bool_] | frozenset[StateId] | None = None,
-    sink: StateId | None = None,
-) -> tuple[int, int]:
+def max_stage(stages: Stages, states: Sequence[StateId] | NDArray[np.int64]) -> tuple[int, int]:
     """The buffer of one segment and how many of its states go there (Eq. 7, made total).
 
     `states` are the automaton states visited. A segment that ends in the sink is B_⊥'s, whole:
     the fatal state must be among the negatives. Any other is that of the visited state nearest to
     acceptance (an accepting one if there is one), ties to the larger SIDX, then to the one visited
     last; it is trimmed after the last step there, because what came later regressed.
-    `accepting` and `sink` are not needed: `stages.distance` says both.
     """
     visited = np.asarray(states, dtype=np.int64)
     assert len(visited), "a segment has a state"
