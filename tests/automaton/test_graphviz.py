@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tiloilc.automaton import graphviz, rendered
+from tiloilc.automaton import rendered
+from tiloilc.automaton.drawing import graphviz
 
 FONTS = """\
 <?xml version="1.0"?>

@@ -13,15 +13,15 @@ from hypothesis import given
 from tests.strategies import formulas, lassos, random_formula, random_lasso
 from tiloilc.automaton import Ldba, accepts, to_hoa, translate
 from tiloilc.automaton.bdd import Diagrams
+from tiloilc.automaton.construction.implication import Implications
+from tiloilc.automaton.construction.symmetric import Symmetric
+from tiloilc.automaton.construction.terms import Terms
+from tiloilc.automaton.construction.unfolding import Unfolding
 from tiloilc.automaton.draft import Draft, reachable
 from tiloilc.automaton.finish import draft_of, edge_based, state_based, with_edge_acceptance
-from tiloilc.automaton.implication import Implications
 from tiloilc.automaton.limits import Budget
-from tiloilc.automaton.reduce import PASSES
-from tiloilc.automaton.symmetric import Symmetric
-from tiloilc.automaton.terms import Terms
+from tiloilc.automaton.reduction.reduce import PASSES
 from tiloilc.automaton.translate import build
-from tiloilc.automaton.unfolding import Unfolding
 from tiloilc.ltl import Lasso, holds, parse, to_text
 from tiloilc.ltl.ast import Formula
 

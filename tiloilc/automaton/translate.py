@@ -7,15 +7,15 @@ from functools import partial
 from typing import Literal
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams
+from tiloilc.automaton.construction.naming import name
+from tiloilc.automaton.construction.symmetric import State, Symmetric, Waiting
+from tiloilc.automaton.construction.terms import Terms
+from tiloilc.automaton.construction.unfolding import Unfolding
 from tiloilc.automaton.draft import Draft, Row
 from tiloilc.automaton.finish import edge_based, state_based
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.automaton.limits import MAX_STATES, TIMEOUT, Budget, too_large
-from tiloilc.automaton.naming import name
-from tiloilc.automaton.reduce import reduce
-from tiloilc.automaton.symmetric import State, Symmetric, Waiting
-from tiloilc.automaton.terms import Terms
-from tiloilc.automaton.unfolding import Unfolding
+from tiloilc.automaton.reduction.reduce import reduce
 from tiloilc.diag import CompileError
 from tiloilc.ltl.ast import Formula
 

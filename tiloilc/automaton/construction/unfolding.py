@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
-from tiloilc.automaton.implication import Implications
-from tiloilc.automaton.terms import NO, YES, Term, Terms
+from tiloilc.automaton.construction.implication import Implications
+from tiloilc.automaton.construction.terms import NO, YES, Term, Terms
 
 
 class Unfolding:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tiloilc.automaton.language.words import accepted_word
 from tiloilc.automaton.limits import MAX_STATES, TIMEOUT
 from tiloilc.automaton.translate import translate
-from tiloilc.automaton.words import accepted_word
 from tiloilc.ltl import Lasso
 from tiloilc.ltl.ast import Formula, Not, conjunction
 

@@ -24,9 +24,9 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Node
-from tiloilc.automaton.breakpoint import Breakpoints, Goals, Serving
-from tiloilc.automaton.terms import GREATEST, LEAST, NO, YES, Term, Terms
-from tiloilc.automaton.unfolding import Unfolding
+from tiloilc.automaton.construction.breakpoint import Breakpoints, Goals, Serving
+from tiloilc.automaton.construction.terms import GREATEST, LEAST, NO, YES, Term, Terms
+from tiloilc.automaton.construction.unfolding import Unfolding
 
 
 class Waiting(NamedTuple):

@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
 from tiloilc.automaton.finish import draft_of
+from tiloilc.automaton.language.words import accepting_lasso
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.automaton.limits import MAX_STATES, TIMEOUT, Budget
-from tiloilc.automaton.reduce import waiting_states
-from tiloilc.automaton.words import accepting_lasso
+from tiloilc.automaton.reduction.reduce import waiting_states
 from tiloilc.ltl import Lasso
 
 GUESSED_AT_ONCE = 12

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tiloilc.automaton.terms import NO, YES, Term, Terms
+from tiloilc.automaton.construction.terms import NO, YES, Term, Terms
 
 
 class Implications:

@@ -15,8 +15,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Node, Split
-from tiloilc.automaton.terms import GREATEST, YES, Term
-from tiloilc.automaton.unfolding import Unfolding
+from tiloilc.automaton.construction.terms import GREATEST, YES, Term
+from tiloilc.automaton.construction.unfolding import Unfolding
 
 Goals = tuple[Term, ...]
 """Terms q of "GF q", each once, in the written order."""

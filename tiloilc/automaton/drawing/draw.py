@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
-from tiloilc.automaton.graphviz import rendered
+from tiloilc.automaton.drawing.graphviz import rendered
 from tiloilc.automaton.guards import guard_text
 from tiloilc.automaton.ldba import Ldba, StateId
 

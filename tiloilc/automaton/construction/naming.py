@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from tiloilc.automaton.bdd import Literals, Node
-from tiloilc.automaton.breakpoint import Serving
-from tiloilc.automaton.symmetric import State, Symmetric
-from tiloilc.automaton.terms import Term
-from tiloilc.automaton.unfolding import Unfolding
+from tiloilc.automaton.construction.breakpoint import Serving
+from tiloilc.automaton.construction.symmetric import State, Symmetric
+from tiloilc.automaton.construction.terms import Term
+from tiloilc.automaton.construction.unfolding import Unfolding
 from tiloilc.ltl import to_text
 
 

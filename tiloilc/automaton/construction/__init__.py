@@ -1,0 +1,1 @@
+"""From a formula to the states of its automaton: unfolding, breakpoints, guesses."""

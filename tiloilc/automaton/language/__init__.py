@@ -1,0 +1,1 @@
+"""Questions about the language of an automaton, answered with words."""

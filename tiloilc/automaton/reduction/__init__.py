@@ -1,0 +1,1 @@
+"""Passes that make an automaton smaller and keep its language."""
