@@ -11,7 +11,8 @@ from tiloilc.automaton.draft import Draft, Row, components, on_cycles
 from tiloilc.automaton.guards import as_diagram
 from tiloilc.automaton.ldba import Cube, Edge, Ldba
 from tiloilc.automaton.limits import Budget
-from tiloilc.automaton.reduction.reduce import quotient, trim
+from tiloilc.automaton.reduction.quotient import quotient
+from tiloilc.automaton.reduction.trim import trim
 
 
 class Copy(NamedTuple):

@@ -8,9 +8,10 @@ from typing import Literal
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams
 from tiloilc.automaton.construction.naming import name
-from tiloilc.automaton.construction.symmetric import State, Symmetric, Waiting
+from tiloilc.automaton.construction.symmetric import SymmetricGuess
 from tiloilc.automaton.construction.terms import Terms
 from tiloilc.automaton.construction.unfolding import Unfolding
+from tiloilc.automaton.construction.waiting import Construction, State, Waiting
 from tiloilc.automaton.draft import Draft, Row
 from tiloilc.automaton.finish import edge_based, state_based
 from tiloilc.automaton.ldba import Ldba
@@ -21,6 +22,7 @@ from tiloilc.ltl.ast import Formula
 
 Acceptance = Literal["state", "edge"]
 
+KIND=[SymmetricGuess]
 WORTH_A_GUESS = 8
 """A deterministic automaton smaller than this is not weighed against one that guesses: an agent
 that need not guess learns more easily, unless it saves half of many states."""
@@ -64,11 +66,11 @@ def _construct(
 ) -> tuple[Draft, Diagrams]:
     """The reduced automaton of `formula`, and the manager of its guards."""
     diagrams = Diagrams(budget)
-    automaton = Symmetric(Unfolding(Terms(propositions, budget), diagrams), eager)
+    automaton = Construction(Unfolding(Terms(propositions, budget), diagrams), KIND[0], eager)
     return reduce(build(automaton, formula), diagrams), diagrams
 
 
-def build(automaton: Symmetric, formula: Formula) -> Draft:
+def build(automaton: Construction, formula: Formula) -> Draft:
     """All states of `automaton` that can be reached from `formula`, breadth first."""
     diagrams = automaton.unfolding.diagrams
     index: dict[State, int] = {}

@@ -61,10 +61,11 @@ class Breakpoints:
         return rest, tuple(dict.fromkeys(found))
 
     def _tidy(self, rest: Node) -> Node:
-        """`rest` without co-safety terms that do not matter beside another one implied by them.
+        """`rest` without terms that do not matter beside others, by implication.
 
-        Only pairs without ν-operators: their truth is decided after finitely many letters, so
-        that breakpoints and guesses see the same promises.
+        A term goes in favour of weaker ones, or because of stronger ones, only if these are pure:
+        co-safety or safety, not both. What a pure term promises is kept or broken for good, so
+        that breakpoints and guesses see the same promises as before.
         """
         done = self._tidied.get(rest)
         if done is None:
@@ -72,30 +73,36 @@ class Breakpoints:
         return done
 
     def _drop_implied(self, rest: Node) -> Node:
-        terms, unfolding, diagrams = self.terms, self.unfolding, self.unfolding.diagrams
-        finite = [
-            v for v in sorted(diagrams.support(rest)) if not terms.has_greatest[unfolding.term(v)]
-        ]
-        for strong in finite:
-            for weak in finite:
-                if strong == weak:
+        unfolding, diagrams, implies = self.unfolding, self.unfolding.diagrams, self.unfolding.implications.implies
+        terms = {v: unfolding.term(v) for v in sorted(diagrams.support(rest))}
+        pure = [v for v, t in terms.items() if self._is_pure(t)]
+        for v, term in terms.items():
+            weaker = [w for w in pure if w != v and implies(term, terms[w])]
+            if weaker:
+                with_v = diagrams.assign(rest, {v: True, **dict.fromkeys(weaker, True)})
+                without = diagrams.assign(rest, {v: False})
+                if diagrams.implies(with_v, diagrams.assign(without, dict.fromkeys(weaker, True))):
+                    rest = without
                     continue
-                if not unfolding.implications.implies(unfolding.term(strong), unfolding.term(weak)):
-                    continue
-                with_weak = diagrams.assign(rest, {weak: True})
-                if diagrams.support(with_weak).isdisjoint({strong}):
-                    rest = diagrams.assign(rest, {strong: False})
-                without = diagrams.assign(rest, {strong: False})
-                if weak not in diagrams.support(without):
-                    rest = diagrams.assign(rest, {weak: True})
+            stronger = [w for w in pure if w != v and implies(terms[w], term)]
+            if stronger:
+                with_v = diagrams.assign(rest, {v: True})
+                without = diagrams.assign(rest, {v: False, **dict.fromkeys(stronger, False)})
+                if diagrams.implies(diagrams.assign(with_v, dict.fromkeys(stronger, False)), without):
+                    rest = with_v
         return rest
 
-    def start(self, rest: Node, goals: Goals) -> Serving:
-        """The state that begins a round; `rest` is unfolded."""
+    def _is_pure(self, term: Term) -> bool:
+        return not (self.terms.has_least[term] and self.terms.has_greatest[term])
+
+    def start(self, left: Node, goals: Goals) -> Serving:
+        """The state that begins a round; `left`, settled, is what must hold from now on."""
+        rest = self.unfolding.step(left)
         if self.is_safety(rest):
             promise = self._waiting(goals[0]) if goals else TRUE
             return Serving(rest, goals, 1, promise)
-        return Serving(rest, goals, 0, self.unfolding.rewrite(rest, self._promise))
+        promise = self._tidy(self.unfolding.rewrite(left, self._promise))
+        return Serving(rest, goals, 0, self.unfolding.step(promise))
 
     def is_safety(self, state: Node) -> bool:
         """Whether nothing that must come is left in `state`."""
@@ -130,19 +137,20 @@ class Breakpoints:
             if unfolded == FALSE or waiting == FALSE:
                 continue
             if goals != state.goals:
-                edges.append((self.start(unfolded, goals), False, guard))
+                edges.append((self.start(left, goals), False, guard))
             elif waiting == TRUE or (state.turn == 0 and self.is_safety(unfolded)):
-                edges.extend(self._pass_on(unfolded, goals, state.turn, guard))
+                edges.extend(self._pass_on(left, goals, state.turn, guard))
             else:
                 edges.append((Serving(unfolded, goals, state.turn, waiting), False, guard))
         return edges
 
     def _pass_on(
-        self, rest: Node, goals: Goals, turn: int, guard: Node
+        self, left: Node, goals: Goals, turn: int, guard: Node
     ) -> list[tuple[Serving, bool, Node]]:
         """The edges to the sources after `turn`: the first one that the letter does not meet."""
         edges = []
         diagrams = self.unfolding.diagrams
+        rest = self.unfolding.step(left)
         for following in range(turn + 1, len(goals) + 1):
             goal = goals[following - 1]
             met = self._letters_meeting(goal)
@@ -151,7 +159,7 @@ class Breakpoints:
                 edges.append((Serving(rest, goals, following, self._waiting(goal)), False, stop))
             guard = diagrams.conj(guard, met)
         if guard != FALSE:
-            edges.append((self.start(rest, goals), True, guard))
+            edges.append((self.start(left, goals), True, guard))
         return edges
 
     def _letters_meeting(self, goal: Term) -> Node:

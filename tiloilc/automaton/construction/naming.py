@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from tiloilc.automaton.bdd import Literals, Node
 from tiloilc.automaton.construction.breakpoint import Serving
-from tiloilc.automaton.construction.symmetric import State, Symmetric
 from tiloilc.automaton.construction.terms import Term
 from tiloilc.automaton.construction.unfolding import Unfolding
+from tiloilc.automaton.construction.waiting import Construction, State
 from tiloilc.ltl import to_text
 
 
-def name(automaton: Symmetric, state: State) -> str:
+def name(automaton: Construction, state: State) -> str:
     """What is left to do in `state`: what its turn waits for, what must come, what must hold."""
     terms = automaton.terms
     parts = []

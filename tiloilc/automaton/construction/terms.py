@@ -167,6 +167,10 @@ class Terms:
         """Whether the truth of `term` on a word never changes as the word goes on."""
         return self.eventual[term] and self.universal[term]
 
+    def is_lasting(self, term: Term) -> bool:
+        """Whether `term` is an F p that is p from some place on, as in F G a."""
+        return self.operator[term] == "F" and self.universal[self.operands[term][0]]
+
     def make(self, operator: str, *operands: Term) -> Term:
         """A temporal operator over `operands`."""
         if operator in ("F", "G", "X"):

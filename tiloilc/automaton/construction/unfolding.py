@@ -94,12 +94,12 @@ class Unfolding:
         return state
 
     def step_suspended(self, rest: Node) -> Node:
-        """As `step`, but "X GF q" stays as it is: its truth does not change as the word goes on."""
+        """As `step`, but what is true now if it is true later, as GF q, stays as it is."""
 
         def value(variable: int) -> Node:
             term = self.term(variable)
-            is_goal = self.terms.goal(term) is not None
-            return self.diagrams.literal(variable) if is_goal else self.unfold(term)
+            suspended = self.terms.suspendable(term)
+            return self.diagrams.literal(variable) if suspended else self.unfold(term)
 
         state = self.diagrams.substitute(rest, value, self._step_suspended)
         self._before.setdefault(state, rest)

@@ -16,7 +16,7 @@ from tiloilc.automaton.finish import draft_of
 from tiloilc.automaton.language.words import accepting_lasso
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.automaton.limits import MAX_STATES, TIMEOUT, Budget
-from tiloilc.automaton.reduction.reduce import waiting_states
+from tiloilc.automaton.reduction.jumps import waiting_states
 from tiloilc.ltl import Lasso
 
 GUESSED_AT_ONCE = 12

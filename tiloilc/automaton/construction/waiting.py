@@ -1,0 +1,150 @@
+"""The states that wait and the jumps they may take, for all of LTL.
+
+A waiting state tracks what is left of the formula. A jump guesses what holds in the long run and
+goes to a deterministic state for the rest, see `breakpoint.py`. Waiting ends without a jump as soon
+as what is left is of the recurrence class.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from tiloilc.automaton.bdd import FALSE, TRUE, Node
+from tiloilc.automaton.construction.breakpoint import Breakpoints, Goals, Serving
+from tiloilc.automaton.construction.guess import Guess
+from tiloilc.automaton.construction.terms import NO, YES, Term
+from tiloilc.automaton.construction.unfolding import Unfolding
+
+
+class Waiting(NamedTuple):
+    """A state that tracks what is left: the word must satisfy `rest` and GF of each goal."""
+
+    rest: Node
+    goals: Goals
+
+
+State = Waiting | Serving
+
+
+class Construction:
+    """All states of the automaton of one formula, with the guesses of `kind`.
+
+    `eager`: the deterministic part takes over at the recurrence class, so that no jump is needed
+    there; otherwise only at co-safety, safety and goals, which may take fewer states.
+    """
+
+    def __init__(self, unfolding: Unfolding, kind: type[Guess], eager: bool = True) -> None:
+        self.unfolding = unfolding
+        self.terms = unfolding.terms
+        self.breakpoints = Breakpoints(unfolding)
+        self._kind = kind
+        self._ends_waiting = self._in_class if eager else self._simple
+
+    def initial(self, formula: Term) -> State | None:
+        """The first state; None if the formula is false by propositional reasoning."""
+        return self._enter(self.unfolding.later(formula), ())
+
+    def _enter(self, rest: Node, goals: Goals) -> State | None:
+        left, goals = self.breakpoints.settle(rest, goals)
+        unfolded = self.unfolding.step(left)
+        if unfolded == FALSE:
+            return None
+        if self._ends_waiting(unfolded):
+            return self.breakpoints.start(left, goals)
+        return Waiting(self.unfolding.step_suspended(left), goals)
+
+    def _in_class(self, state: Node) -> bool:
+        """Whether `state` is of the recurrence class."""
+        return all(self.terms.recurrence[t] for t in self.unfolding.left_over(state))
+
+    def _simple(self, state: Node) -> bool:
+        """Whether `state` is made of co-safety and safety formulas."""
+        terms = self.terms
+        return not any(
+            terms.has_least[t] and terms.has_greatest[t] for t in self.unfolding.left_over(state)
+        )
+
+    def successors(self, state: State) -> list[tuple[State, bool, Node]]:
+        """The edges of `state`: target, whether it accepts, letters."""
+        if isinstance(state, Serving):
+            return list(self.breakpoints.successors(state))
+        edges = []
+        for (rest,), guard in self.breakpoints.split(state.rest).items():
+            target = self._enter(rest, state.goals)
+            if target is not None:
+                edges.append((target, False, guard))
+        return edges
+
+    def jumps(self, state: Waiting) -> list[Serving]:
+        """The deterministic states that `state` may become."""
+        targets: dict[Serving, None] = {}
+        for guess in self._guesses(state.rest):
+            targets.update(dict.fromkeys(self._checking(state, guess)))
+        return list(targets)
+
+    def _checking(self, state: Waiting, guess: Guess) -> list[Serving]:
+        """The states that check `guess` from now on, of which one must be chosen."""
+        goals = guess.again()
+        left = self._remainder(state.rest, guess)
+        if left == FALSE or NO in goals:
+            return []
+        wanted = [goal for goal in goals if goal != YES]
+        together = tuple(dict.fromkeys([*state.goals, *wanted]))
+        return [
+            self.breakpoints.start(*self.breakpoints.settle(part, together))
+            for part in self._alternatives(left)
+        ]
+
+    def _remainder(self, rest: Node, guess: Guess) -> Node:
+        """What must hold from now on if `guess` is right."""
+        folded = self.unfolding.folded(rest)
+        assert folded is not None
+        left = self.unfolding.rewrite(folded, guess.now)
+        for term in guess.always():
+            kept = self.unfolding.later(self.terms.make("G", term))
+            left = self.unfolding.diagrams.conj(left, kept)
+        return left
+
+    def _alternatives(self, left: Node) -> list[Node]:
+        """`left` as alternatives that a jump may choose from: one of `G a | G b` each.
+
+        An alternative stands alone where formulas that, once true, stay true say it whole: which
+        of them become true is settled in the long run, so that nobody has to guess what chance
+        decides later. One that will be said so after the next letters is left to later jumps.
+        """
+        diagrams = self.unfolding.diagrams
+        support = diagrams.support(left)
+        lasting = {v for v in support if self.terms.universal[self.unfolding.term(v)]}
+        open_ended = {v for v in support - lasting if not self._is_bounded(v)}
+        chosen = {frozenset(v for v, _ in cube if v in lasting) for cube in diagrams.cover(left)}
+        largest = [kept for kept in chosen if not any(kept < other for other in chosen)]
+        parts, mixed = [], FALSE
+        for kept in sorted(largest, key=sorted):
+            part = diagrams.assign(left, dict.fromkeys(lasting - kept, False))
+            if diagrams.assign(part, dict.fromkeys(kept, True)) == TRUE:
+                parts.append(part)
+            elif diagrams.support(part) & open_ended:
+                mixed = diagrams.disj(mixed, part)
+        return parts if mixed == FALSE else [*parts, mixed]
+
+    def _is_bounded(self, variable: int) -> bool:
+        """Whether a bounded number of letters settles the term of `variable`."""
+        term = self.unfolding.term(variable)
+        return not (self.terms.has_least[term] or self.terms.has_greatest[term])
+
+    def _guesses(self, rest: Node) -> Iterator[Guess]:
+        """All complete guesses for `rest`, each made only as far as it matters."""
+        folded = self.unfolding.folded(rest)
+        assert folded is not None
+        roots = self.unfolding.left_over(folded)
+        open_guesses: list[dict[Term, bool]] = [{}]
+        while open_guesses:
+            self.unfolding.diagrams.budget.tick()
+            guess = self._kind(self.terms, open_guesses.pop())
+            unknown = guess.first_unknown(roots)
+            if unknown is None:
+                yield guess
+            elif self._remainder(rest, guess) != FALSE:
+                open_guesses.append({**guess.chosen, unknown: True})
+                open_guesses.append({**guess.chosen, unknown: False})

@@ -1,0 +1,104 @@
+"""Merge states of one component that accept the same words, wherever a trial shows it is safe."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from tiloilc.automaton.bdd import FALSE, Diagrams
+from tiloilc.automaton.draft import Draft, components, on_cycles
+from tiloilc.automaton.reduction.inclusion import Inclusion
+from tiloilc.automaton.reduction.jumps import waiting_states
+from tiloilc.automaton.reduction.quotient import merged_row
+
+MAX_STATES = 100
+"""Deterministic states to try: beyond, trials cost more than they save."""
+
+
+def merge_by_trial(draft: Draft, diagrams: Diagrams) -> Draft:
+    """Lead what enters a deterministic state to another one of its component, if all agree.
+
+    Two states of one language are no reason to merge: a run may go round between them and miss
+    the marks. So the merged automaton is compared with the old one, from every state: no common
+    run may be marked for ever in one and not in the other.
+    """
+    component, _ = on_cycles(draft)
+    waiting = waiting_states(draft)
+    fixed = [q for q in range(len(draft.rows)) if q not in waiting]
+    if len(fixed) > MAX_STATES:
+        return draft
+    pairs = [(p, q) for p in fixed for q in fixed if p != q and component[p] == component[q]]
+    if not pairs:
+        return draft
+    inclusion = Inclusion(draft, diagrams, pairs)
+    same = [(p, q) for p, q in pairs if inclusion.holds(p, q) and inclusion.holds(q, p)]
+    trial = _Trial(draft, diagrams, fixed)
+    lead = list(range(len(draft.rows)))
+    for p, q in same:
+        if lead[p] == p and lead[q] == q:
+            led = [p if t == q else t for t in lead]
+            if trial.agrees(led):
+                lead = led
+    if lead == list(range(len(lead))):
+        return draft
+    return replace(
+        draft,
+        rows=tuple(merged_row(row, lead, diagrams) for row in draft.rows),
+        jumps=tuple(tuple(sorted({lead[t] for t in targets})) for targets in draft.jumps),
+        initial=lead[draft.initial],
+    )
+
+
+Step = tuple[int, int, bool, bool]
+"""Where a pair of states leads on some letters: both targets, and whether each edge accepts."""
+
+
+class _Trial:
+    """Compares the deterministic part of a draft with itself after states have been merged."""
+
+    def __init__(self, draft: Draft, diagrams: Diagrams, fixed: Sequence[int]) -> None:
+        self._draft = draft
+        self._diagrams = diagrams
+        self._fixed = fixed
+        self._steps: dict[tuple[int, int], list[Step]] = {}
+
+    def agrees(self, lead: Sequence[int]) -> bool:
+        """Whether every state keeps its language if `lead[q]` is entered in place of q."""
+        index: dict[tuple[int, int], int] = {}
+        work = [(q, q) for q in self._fixed if lead[q] == q]
+        index.update({pair: i for i, pair in enumerate(work)})
+        graph: list[list[tuple[int, bool, bool]]] = []
+        for pair in work:
+            edges = []
+            for new, old, new_mark, old_mark in self._common(*pair):
+                target = (lead[new], old)
+                if target not in index:
+                    index[target] = len(work)
+                    work.append(target)
+                edges.append((index[target], new_mark, old_mark))
+            graph.append(edges)
+        return not (_one_sided(graph, 1) or _one_sided(graph, 2))
+
+    def _common(self, new: int, old: int) -> list[Step]:
+        found = self._steps.get((new, old))
+        if found is None:
+            self._diagrams.budget.tick()
+            conj = self._diagrams.conj
+            found = [
+                (s, t, s_mark, t_mark)
+                for (s, s_mark), guard in self._draft.rows[new].items()
+                for (t, t_mark), letters in self._draft.rows[old].items()
+                if conj(guard, letters) != FALSE
+            ]
+            self._steps[new, old] = found
+        return found
+
+
+def _one_sided(graph: Sequence[Sequence[tuple[int, bool, bool]]], side: int) -> bool:
+    """Whether some cycle has marks of the other side and none of `side`."""
+    quiet = components([[e[0] for e in edges if not e[side]] for edges in graph])
+    return any(
+        e[3 - side] and not e[side] and quiet[q] == quiet[e[0]]
+        for q, edges in enumerate(graph)
+        for e in edges
+    )
