@@ -24,8 +24,10 @@ from tiloilc.automaton.construction.terms import GREATEST, LEAST, NO, Term, Term
 class AsymmetricGuess(Guess):
     """N."""
 
-    def __init__(self, terms: Terms, chosen: Mapping[Term, bool]) -> None:
-        super().__init__(terms, chosen)
+    def __init__(
+        self, terms: Terms, chosen: Mapping[Term, bool], regenerated: frozenset[Term]
+    ) -> None:
+        super().__init__(terms, chosen, regenerated)
         self._kept: dict[tuple[Term, bool], Term] = {}
 
     def now(self, term: Term) -> Term:
@@ -42,18 +44,21 @@ class AsymmetricGuess(Guess):
 
     def _keep(self, term: Term, below: bool) -> Term:
         terms = self.terms
-        if terms.recurrence[term]:
+        if below and terms.recurrence[term]:
             return term
         key = (term, below)
         if key not in self._kept:
             name, operands = terms.operator[term], terms.operands[term]
+            lasting = None if below else self.lasting_part(term)
             if not below and terms.is_lasting(term):
                 result = self._keep(operands[0], below)
+            elif lasting is not None:
+                result = terms.make("G", self._keep(lasting, below=True))
             elif name in LEAST:
-                result = self.strengthen(term) if below else NO
+                result = self.strengthen(term) if below or term in self.regenerated else NO
             else:
                 inner = [self._keep(t, below or name in GREATEST) for t in operands]
-                result = self.rebuild(name, inner)
+                result = self.rebuild(name, inner) if operands else term
             self._kept[key] = result
         return self._kept[key]
 
@@ -78,9 +83,9 @@ class AsymmetricGuess(Guess):
                 continue
             elif where == "top" and terms.is_lasting(term):
                 pass
-            elif where == "top" and name in LEAST:
+            elif where == "top" and name in LEAST and term not in self.regenerated:
                 continue
-            elif where == "below" and name in LEAST:
+            elif name in LEAST:
                 where = "strong"
             elif name in GREATEST:
                 where = "below"

@@ -9,18 +9,25 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 
-from tiloilc.automaton.construction.terms import GREATEST, NO, YES, Term, Terms
+from tiloilc.automaton.construction.terms import GREATEST, LEAST, NO, YES, Term, Terms
 
 
 class Guess(ABC):
     """A guess, perhaps still in part: `chosen[t]` says whether t is in its set.
 
     What is not chosen yet counts as in, which makes every result as weak as it can become.
+    `regenerated` are the sub-formulas of what is left over that stand below a ν-operator, and so
+    may be left over again and again. Any other promise is kept or broken after finitely many
+    letters, so that a jump can wait for it: at a jump µ-formulas among the others count as false,
+    p W q and q R p as G p.
     """
 
-    def __init__(self, terms: Terms, chosen: Mapping[Term, bool]) -> None:
+    def __init__(
+        self, terms: Terms, chosen: Mapping[Term, bool], regenerated: frozenset[Term]
+    ) -> None:
         self.terms = terms
         self.chosen = chosen
+        self.regenerated = regenerated
         self._strong: dict[Term, Term] = {}
 
     @abstractmethod
@@ -38,6 +45,22 @@ class Guess(ABC):
     @abstractmethod
     def first_unknown(self, roots: Sequence[Term]) -> Term | None:
         """A sub-formula met on the way from `roots` and the guess that is not chosen yet."""
+
+    def lasting_part(self, term: Term) -> Term | None:
+        """The p if `term`, left over once, can only be kept for ever as G p; else None.
+
+        q W r and r R q are kept for ever as G q where r does not come.
+        """
+        terms = self.terms
+        name, operands = terms.operator[term], terms.operands[term]
+        if name == "G":
+            return operands[0]
+        if name not in GREATEST or term in self.regenerated:
+            return None
+        kept, end = operands if name == "W" else reversed(operands)
+        parts = terms.operands[end] if terms.operator[end] == "or" else (end,)
+        never = [terms.opposite(t) for t in parts if terms.operator[t][0] in "+-"]
+        return terms.both([*never, terms.given(kept, never)])
 
     def chosen_in(self, operators: frozenset[str]) -> list[Term]:
         """The chosen terms with one of `operators`."""
@@ -66,3 +89,22 @@ class Guess(ABC):
         if name in ("and", "or"):
             return self.terms.both(inner) if name == "and" else self.terms.either(inner)
         return self.terms.make(name, *inner)
+
+
+def regenerated_by(terms: Terms, roots: Sequence[Term]) -> frozenset[Term]:
+    """The sub-formulas of `roots` below a ν-operator, where a jump cannot wait for anything."""
+    below: set[Term] = set()
+    seen: set[tuple[Term, bool]] = set()
+    work = [(t, False) for t in roots]
+    while work:
+        term, is_below = work.pop()
+        if (term, is_below) in seen:
+            continue
+        seen.add((term, is_below))
+        name = terms.operator[term]
+        if is_below:
+            below.add(term)
+        elif name in LEAST and not terms.is_lasting(term):
+            continue
+        work.extend((t, is_below or name in GREATEST) for t in terms.operands[term])
+    return frozenset(below)

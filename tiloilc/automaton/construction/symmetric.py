@@ -25,8 +25,10 @@ from tiloilc.automaton.construction.terms import GREATEST, LEAST, NO, YES, Term,
 class SymmetricGuess(Guess):
     """M and N."""
 
-    def __init__(self, terms: Terms, chosen: Mapping[Term, bool]) -> None:
-        super().__init__(terms, chosen)
+    def __init__(
+        self, terms: Terms, chosen: Mapping[Term, bool], regenerated: frozenset[Term]
+    ) -> None:
+        super().__init__(terms, chosen, regenerated)
         self._weak: dict[tuple[Term, bool], Term] = {}
 
     def now(self, term: Term) -> Term:
@@ -44,20 +46,25 @@ class SymmetricGuess(Guess):
     def weaken(self, term: Term, below: bool = True) -> Term:
         """`term`[M]ν; `below`: it stands below a ν-operator."""
         terms = self.terms
-        if not terms.has_least[term]:
+        if below and not terms.has_least[term]:
             return term
         key = (term, below)
         if key not in self._weak:
             name, operands = terms.operator[term], terms.operands[term]
+            lasting = None if below else self.lasting_part(term)
             if not below and terms.is_lasting(term):
                 result = self.weaken(operands[0], below)
-            elif name in LEAST and not self.chosen.get(term, below):
+            elif lasting is not None:
+                result = terms.make("G", self.weaken(lasting))
+            elif name in LEAST and not self.chosen.get(term, below or term in self.regenerated):
                 result = NO
             elif name == "F":
                 result = YES
             else:
                 inner = [self.weaken(t, below or name in GREATEST) for t in operands]
-                result = self.rebuild({"U": "W", "M": "R"}.get(name, name), inner)
+                result = term
+                if operands:
+                    result = self.rebuild({"U": "W", "M": "R"}.get(name, name), inner)
             self._weak[key] = result
         return self._weak[key]
 

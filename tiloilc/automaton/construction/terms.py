@@ -115,6 +115,34 @@ class Terms:
         """A proposition, or its negation."""
         return self._add(f"{'+' if sign else '-'}{proposition}", ())
 
+    def opposite(self, literal: Term) -> Term:
+        """The negation of a literal."""
+        name = self.operator[literal]
+        return self.literal(int(name[1:]), name[0] == "-")
+
+    def given(self, term: Term, literals: Sequence[Term]) -> Term:
+        """`term` where `literals` hold now and for ever."""
+        known = {t: YES for t in literals} | {self.opposite(t): NO for t in literals}
+        if not known:
+            return term
+        done: dict[Term, Term] = {}
+
+        def rebuilt(t: Term) -> Term:
+            if t in known:
+                return known[t]
+            if not self.operands[t]:
+                return t
+            if t not in done:
+                inner = [rebuilt(s) for s in self.operands[t]]
+                name = self.operator[t]
+                if name in ("and", "or"):
+                    done[t] = self.both(inner) if name == "and" else self.either(inner)
+                else:
+                    done[t] = self.make(name, *inner)
+            return done[t]
+
+        return rebuilt(term)
+
     def both(self, operands: Sequence[Term]) -> Term:
         """Conjunction: flat, without repetitions, in the given order."""
         return self._junction("and", operands, YES, NO)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Node
 from tiloilc.automaton.construction.breakpoint import Breakpoints, Goals, Serving
-from tiloilc.automaton.construction.guess import Guess
+from tiloilc.automaton.construction.guess import Guess, regenerated_by
 from tiloilc.automaton.construction.terms import NO, YES, Term
 from tiloilc.automaton.construction.unfolding import Unfolding
 
@@ -114,17 +114,15 @@ class Construction:
         decides later. One that will be said so after the next letters is left to later jumps.
         """
         diagrams = self.unfolding.diagrams
-        support = diagrams.support(left)
-        lasting = {v for v in support if self.terms.universal[self.unfolding.term(v)]}
-        open_ended = {v for v in support - lasting if not self._is_bounded(v)}
-        chosen = {frozenset(v for v, _ in cube if v in lasting) for cube in diagrams.cover(left)}
-        largest = [kept for kept in chosen if not any(kept < other for other in chosen)]
         parts, mixed = [], FALSE
-        for kept in sorted(largest, key=sorted):
-            part = diagrams.assign(left, dict.fromkeys(lasting - kept, False))
-            if diagrams.assign(part, dict.fromkeys(kept, True)) == TRUE:
+        for cube in sorted(diagrams.cover(left)):
+            part = TRUE
+            for variable, _ in reversed(cube):
+                part = diagrams.conj(diagrams.literal(variable), part)
+            passing = [v for v, _ in cube if not self.terms.universal[self.unfolding.term(v)]]
+            if not passing:
                 parts.append(part)
-            elif diagrams.support(part) & open_ended:
+            elif not all(map(self._is_bounded, passing)):
                 mixed = diagrams.disj(mixed, part)
         return parts if mixed == FALSE else [*parts, mixed]
 
@@ -138,10 +136,11 @@ class Construction:
         folded = self.unfolding.folded(rest)
         assert folded is not None
         roots = self.unfolding.left_over(folded)
+        regenerated = regenerated_by(self.terms, roots)
         open_guesses: list[dict[Term, bool]] = [{}]
         while open_guesses:
             self.unfolding.diagrams.budget.tick()
-            guess = self._kind(self.terms, open_guesses.pop())
+            guess = self._kind(self.terms, open_guesses.pop(), regenerated)
             unknown = guess.first_unknown(roots)
             if unknown is None:
                 yield guess
