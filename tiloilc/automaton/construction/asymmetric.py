@@ -36,7 +36,7 @@ class AsymmetricGuess(Guess):
 
     def always(self) -> list[Term]:
         """ψ[N] for every ψ in N."""
-        return [self._keep(term, below=True) for term in self.chosen_in(GREATEST)]
+        return [self._keep(self.for_ever(t), below=True) for t in self.chosen_in(GREATEST)]
 
     def again(self) -> list[Term]:
         """Nothing: what must come again and again is left to the breakpoints."""
@@ -67,7 +67,7 @@ class AsymmetricGuess(Guess):
         terms = self.terms
         seen: set[tuple[Term, str]] = set()
         work = [(t, "top") for t in reversed(roots)]
-        work += [(t, "below") for t in self.chosen_in(GREATEST)]
+        work += [(self.for_ever(t), "below") for t in self.chosen_in(GREATEST)]
         while work:
             term, where = work.pop()
             if (term, where) in seen:

@@ -47,16 +47,21 @@ class Guess(ABC):
         """A sub-formula met on the way from `roots` and the guess that is not chosen yet."""
 
     def lasting_part(self, term: Term) -> Term | None:
-        """The p if `term`, left over once, can only be kept for ever as G p; else None.
+        """The p if `term`, left over once, can only be kept for ever as G p; else None."""
+        name = self.terms.operator[term]
+        if name != "G" and (name not in GREATEST or term in self.regenerated):
+            return None
+        return self.for_ever(term)
 
-        q W r and r R q are kept for ever as G q where r does not come.
+    def for_ever(self, term: Term) -> Term:
+        """The p such that the ν-formula `term` may never be broken, nor ended, if G p.
+
+        q W r and r R q are so kept by G (q & !r); if r comes again and again they are q U r and r M q.
         """
         terms = self.terms
         name, operands = terms.operator[term], terms.operands[term]
         if name == "G":
             return operands[0]
-        if name not in GREATEST or term in self.regenerated:
-            return None
         kept, end = operands if name == "W" else reversed(operands)
         parts = terms.operands[end] if terms.operator[end] == "or" else (end,)
         never = [terms.opposite(t) for t in parts if terms.operator[t][0] in "+-"]

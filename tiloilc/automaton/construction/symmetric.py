@@ -37,7 +37,7 @@ class SymmetricGuess(Guess):
 
     def always(self) -> list[Term]:
         """ψ[M]ν for every ψ in N."""
-        return [self.weaken(term) for term in self.chosen_in(GREATEST)]
+        return [self.weaken(self.for_ever(t)) for t in self.chosen_in(GREATEST)]
 
     def again(self) -> list[Term]:
         """q with GF q = GF(ψ[N]µ) for every ψ in M."""
@@ -82,7 +82,7 @@ class SymmetricGuess(Guess):
         terms = self.terms
         seen: set[tuple[Term, str]] = set()
         work = [(t, "top") for t in reversed(roots)]
-        work += [(t, "below") for t in self.chosen_in(GREATEST)]
+        work += [(self.for_ever(t), "below") for t in self.chosen_in(GREATEST)]
         work += [(t, "again") for t in self.chosen_in(LEAST)]
         while work:
             term, where = work.pop()

@@ -7,7 +7,7 @@ as what is left is of the recurrence class.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Node
@@ -113,18 +113,38 @@ class Construction:
         of them become true is settled in the long run, so that nobody has to guess what chance
         decides later. One that will be said so after the next letters is left to later jumps.
         """
-        diagrams = self.unfolding.diagrams
-        parts, mixed = [], FALSE
+        unfolding, diagrams = self.unfolding, self.unfolding.diagrams
+        parts: dict[Node, None] = {}
+        mixed = FALSE
         for cube in sorted(diagrams.cover(left)):
+            terms = self._given_literals([unfolding.term(v) for v, _ in cube])
             part = TRUE
-            for variable, _ in reversed(cube):
-                part = diagrams.conj(diagrams.literal(variable), part)
-            passing = [v for v, _ in cube if not self.terms.universal[self.unfolding.term(v)]]
+            for term in terms:
+                part = diagrams.conj(part, unfolding.later(term))
+            passing = [v for v in diagrams.support(part) if not self.terms.universal[unfolding.term(v)]]
+            if part == FALSE:
+                continue
             if not passing:
-                parts.append(part)
+                parts[part] = None
             elif not all(map(self._is_bounded, passing)):
                 mixed = diagrams.disj(mixed, part)
-        return parts if mixed == FALSE else [*parts, mixed]
+        return [*parts] if mixed == FALSE else [*parts, mixed]
+
+    def _given_literals(self, cube: Sequence[Term]) -> list[Term]:
+        """The terms of a conjunction where those G p with a literal p are known."""
+        terms = self.terms
+        known: dict[Term, None] = {}
+        for term in cube:
+            if terms.operator[term] == "G":
+                inner = terms.operands[term][0]
+                parts = terms.operands[inner] if terms.operator[inner] == "and" else (inner,)
+                known.update((t, None) for t in parts if terms.operator[t][0] in "+-")
+        if not known:
+            return list(cube)
+        return [
+            *(terms.make("G", t) for t in known),
+            *(terms.given(t, list(known)) for t in cube),
+        ]
 
     def _is_bounded(self, variable: int) -> bool:
         """Whether a bounded number of letters settles the term of `variable`."""

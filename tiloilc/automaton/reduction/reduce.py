@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 from tiloilc.automaton.bdd import Diagrams
 from tiloilc.automaton.draft import Draft
-from tiloilc.automaton.reduction.jumps import delay_jumps, drop_jumps
+from tiloilc.automaton.reduction.follow import drop_jumps
+from tiloilc.automaton.reduction.jumps import delay_jumps
 from tiloilc.automaton.reduction.merge import merge_by_language
 from tiloilc.automaton.reduction.quotient import quotient
 from tiloilc.automaton.reduction.trial import merge_by_trial

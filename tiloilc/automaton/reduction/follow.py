@@ -1,0 +1,173 @@
+"""Drop the jumps that an agent need not take, because it can wait for others.
+
+Good-for-MDPs automata may lose what another automaton can do without (Hahn, Perez, Schewe, Somenzi,
+Trivedi and Wojtczak, Good-for-MDPs Automata for Probabilistic Analysis and Reinforcement Learning,
+TACAS 2020, section 3.3). Here an agent that would jump from q to t waits instead and keeps t's run
+in mind. Almost surely its world, under an optimal finite-memory strategy, ends in a recurrent part,
+where the waiting state and t's run take the edges C of a strongly connected piece of their product,
+all of them again and again, and no others. If for every such C with a mark of t some pair of states
+in it has a jump whose target accepts every word of C that t's run accepts, nothing is lost: the
+agent takes that jump when it has come to C.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from tiloilc.automaton.bdd import FALSE, Diagrams, Node
+from tiloilc.automaton.draft import Draft, components, reachable
+from tiloilc.automaton.reduction.inclusion import MAX_PAIRS, Inclusion
+from tiloilc.automaton.reduction.jumps import waiting_states
+
+
+def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
+    """Drop jumps one after the other, those into the most states first."""
+    if not any(draft.jumps):
+        return draft
+    graph = [[t for t, _ in row] for row in draft.rows]
+    waiting = waiting_states(draft)
+    targets = {t for row in draft.jumps for t in row}
+    entered = targets | {t for q in waiting for t in graph[q] if t not in waiting}
+    pairs = [(t, u) for t in sorted(reachable(graph, targets)) for u in sorted(entered) if t != u]
+    if len(pairs) > MAX_PAIRS:
+        return draft
+    rank = components(graph)
+    size = [len(reachable(graph, [t])) for t in range(len(graph))]
+    candidates = [(q, t) for q, row in enumerate(draft.jumps) for t in row]
+    jumps = [list(row) for row in draft.jumps]
+    following = _Following(draft, diagrams, Inclusion(draft, diagrams, pairs), waiting, jumps)
+    for q, target in sorted(candidates, key=lambda jump: (-size[jump[1]], -rank[jump[1]], jump)):
+        jumps[q].remove(target)
+        if not following.follows(q, target):
+            jumps[q].append(target)
+            jumps[q].sort()
+    return replace(draft, jumps=tuple(tuple(row) for row in jumps))
+
+
+class _Edge(NamedTuple):
+    """An edge between pairs (a waiting state, a state whose run is kept in mind)."""
+
+    target: int
+    mark: bool
+    letters: Node
+
+
+class _Following:
+    """Whether waiting states can follow the runs of deterministic ones. `jumps` may shrink."""
+
+    def __init__(
+        self,
+        draft: Draft,
+        diagrams: Diagrams,
+        inclusion: Inclusion,
+        waiting: set[int],
+        jumps: Sequence[Sequence[int]],
+    ) -> None:
+        self._draft = draft
+        self._diagrams = diagrams
+        self._inclusion = inclusion
+        self._waiting = waiting
+        self._jumps = jumps
+
+    def follows(self, waiting: int, state: int) -> bool:
+        """Whether an agent in `waiting` gets all that it would get in `state`."""
+        index = {(waiting, state): 0}
+        pairs = [(waiting, state)]
+        graph: list[list[_Edge]] = []
+        for q, t in pairs:
+            edges: list[_Edge] = []
+            graph.append(edges)
+            if any(self._covers(u, t) for u in self._jumps[q]):
+                continue
+            for following, after, mark, letters in self._steps(q, t):
+                if following is None:
+                    return False
+                if following not in self._waiting:
+                    if not self._covers(following, after):
+                        return False
+                    continue
+                pair = (following, after)
+                if pair not in index:
+                    index[pair] = len(pairs)
+                    pairs.append(pair)
+                edges.append(_Edge(index[pair], mark, letters))
+        return self._finds_jumps(pairs, graph)
+
+    def _covers(self, right: int, left: int) -> bool:
+        return left == right or self._inclusion.holds(left, right)
+
+    def _steps(self, q: int, t: int) -> list[tuple[int | None, int, bool, Node]]:
+        steps: list[tuple[int | None, int, bool, Node]] = []
+        for (after, mark), letters in self._draft.rows[t].items():
+            self._diagrams.budget.tick()
+            missing = letters
+            for (following, _), guard in self._draft.rows[q].items():
+                common = self._diagrams.conj(letters, guard)
+                if common != FALSE:
+                    steps.append((following, after, mark, common))
+                    missing = self._diagrams.minus(missing, guard)
+            if missing != FALSE:
+                steps.append((None, after, mark, missing))
+        return steps
+
+    def _finds_jumps(self, pairs: Sequence[tuple[int, int]], graph: list[list[_Edge]]) -> bool:
+        """Whether every strongly connected piece with a mark has a pair with a jump to take."""
+        work = [set(range(len(pairs)))]
+        while work:
+            for piece in _marked_pieces(graph, work.pop()):
+                good = {
+                    n
+                    for n in piece
+                    if any(self._accepts_inside(graph, piece, n, u) for u in self._jumps[pairs[n][0]])
+                }
+                if not good:
+                    return False
+                work.append(piece - good)
+        return True
+
+    def _accepts_inside(self, graph: list[list[_Edge]], piece: set[int], n: int, u: int) -> bool:
+        """Whether `u` accepts what the marks on the edges of `piece`, taken from `n` on, accept."""
+        index = {(n, u): 0}
+        work = [(n, u)]
+        product: list[list[tuple[int, bool, bool]]] = []
+        for m, v in work:
+            edges = []
+            for edge in graph[m]:
+                if edge.target not in piece:
+                    continue
+                self._diagrams.budget.tick()
+                missing = edge.letters
+                for (after, mark), guard in self._draft.rows[v].items():
+                    if self._diagrams.conj(edge.letters, guard) == FALSE:
+                        continue
+                    missing = self._diagrams.minus(missing, guard)
+                    pair = (edge.target, after)
+                    if pair not in index:
+                        index[pair] = len(work)
+                        work.append(pair)
+                    edges.append((index[pair], edge.mark, mark))
+                if missing != FALSE:
+                    return False
+            product.append(edges)
+        quiet = components([[t for t, _, mark in edges if not mark] for edges in product])
+        return not any(
+            left and not right and quiet[q] == quiet[t]
+            for q, edges in enumerate(product)
+            for t, left, right in edges
+        )
+
+
+def _marked_pieces(graph: list[list[_Edge]], kept: set[int]) -> list[set[int]]:
+    """The strongly connected pieces of `graph` on the nodes `kept` with a marked edge inside."""
+    component = components(
+        [[e.target for e in edges if e.target in kept] if n in kept else [] for n, edges in enumerate(graph)]
+    )
+    marked = {
+        component[n]
+        for n in kept
+        for e in graph[n]
+        if e.mark and e.target in kept and component[n] == component[e.target]
+    }
+    return [{n for n in kept if component[n] == c} for c in sorted(marked)]
