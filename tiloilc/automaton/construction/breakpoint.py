@@ -38,6 +38,8 @@ class Breakpoints:
         self.unfolding = unfolding
         self.terms = unfolding.terms
         self._splits: dict[tuple[Node, ...], Split] = {}
+        self._sources: dict[Node, list[tuple[int, Node]]] = {}
+        self._parts: dict[Term, frozenset[Term]] = {}
         self._promised: dict[Term, Term] = {}
         self._met: dict[Term, Node] = {}
         self._tidied: dict[Node, Node] = {}
@@ -98,11 +100,57 @@ class Breakpoints:
     def start(self, left: Node, goals: Goals) -> Serving:
         """The state that begins a round; `left`, settled, is what must hold from now on."""
         rest = self.unfolding.step(left)
-        if self.is_safety(rest):
-            promise = self._waiting(goals[0]) if goals else TRUE
-            return Serving(rest, goals, 1, promise)
-        promise = self._tidy(self.unfolding.rewrite(left, self._promise))
-        return Serving(rest, goals, 0, self.unfolding.step(promise))
+        for source, promise in self._promises(left):
+            return Serving(rest, goals, -source, promise)
+        return Serving(rest, goals, 1, self._waiting(goals[0]) if goals else TRUE)
+
+    def _promises(self, left: Node) -> list[tuple[int, Node]]:
+        """What the sources in `left` have promised: each by its number, as it unfolds."""
+        found = self._sources.get(left)
+        if found is None:
+            found = []
+            if not self.is_safety(self.unfolding.step(left)):
+                promise = self._tidy(self.unfolding.rewrite(left, self._promise))
+                found = self._by_source(left, promise)
+            self._sources[left] = found
+        return found
+
+    def _by_source(self, left: Node, promise: Node) -> list[tuple[int, Node]]:
+        """`promise` split by the formulas G x of `left` whose sub-formulas it is made of.
+
+        Where these have no promise in common, each can be waited for in its turn. What is not of
+        one of them has number 0; a promise of two sources makes them one.
+        """
+        diagrams, terms = self.unfolding.diagrams, self.terms
+        owner: dict[int, int] = {}
+        for variable in sorted(diagrams.support(left)):
+            term = self.unfolding.term(variable)
+            if terms.universal[term] and diagrams.assign(left, {variable: False}) == FALSE:
+                own = self._promising(term)
+                joined = {owner[t] for t in own if t in owner}
+                number = min([*joined, term])
+                owner.update((t, number) for t in own)
+                owner.update((t, number) for t, other in owner.items() if other in joined)
+        support = sorted(diagrams.support(promise))
+        source = {v: owner.get(self.unfolding.term(v), 0) for v in support}
+        for clause in diagrams.cover(diagrams.negate(promise)):
+            joined = {source[v] for v, _ in clause}
+            source.update((v, min(joined)) for v in support if source[v] in joined)
+        parts = []
+        for number in sorted(set(source.values())):
+            others = dict.fromkeys((v for v in support if source[v] != number), True)
+            parts.append((number, self.unfolding.step(diagrams.assign(promise, others))))
+        return parts
+
+    def _promising(self, term: Term) -> frozenset[Term]:
+        """The sub-formulas of `term` with µ-operators, `term` itself left out."""
+        found = self._parts.get(term)
+        if found is None:
+            inner = self.terms.operands[term]
+            below = frozenset().union(*(self._promising(t) for t in inner))
+            found = below | {t for t in inner if self.terms.has_least[t]}
+            self._parts[term] = found
+        return found
 
     def is_safety(self, state: Node) -> bool:
         """Whether nothing that must come is left in `state`."""
@@ -138,7 +186,7 @@ class Breakpoints:
                 continue
             if goals != state.goals:
                 edges.append((self.start(left, goals), False, guard))
-            elif waiting == TRUE or (state.turn == 0 and self.is_safety(unfolded)):
+            elif waiting == TRUE or (state.turn <= 0 and self.is_safety(unfolded)):
                 edges.extend(self._pass_on(left, goals, state.turn, guard))
             else:
                 edges.append((Serving(unfolded, goals, state.turn, waiting), False, guard))
@@ -151,7 +199,10 @@ class Breakpoints:
         edges = []
         diagrams = self.unfolding.diagrams
         rest = self.unfolding.step(left)
-        for following in range(turn + 1, len(goals) + 1):
+        for source, promise in self._promises(left):
+            if turn <= 0 and source > -turn:
+                return [(Serving(rest, goals, -source, promise), False, guard)]
+        for following in range(max(turn, 0) + 1, len(goals) + 1):
             goal = goals[following - 1]
             met = self._letters_meeting(goal)
             stop = diagrams.minus(guard, met)
@@ -175,7 +226,7 @@ class Breakpoints:
 
     def pending(self, state: Serving) -> Node | None:
         """What the turn waits for, unless the state's ξ and goals already say it."""
-        if state.turn == 0:
+        if state.turn <= 0:
             told = self.unfolding.diagrams.implies(state.rest, state.promise)
         else:
             fresh = not state.goals or state.promise == self._waiting(state.goals[state.turn - 1])
