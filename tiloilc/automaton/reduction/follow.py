@@ -17,7 +17,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from tiloilc.automaton.bdd import FALSE, Diagrams, Node
-from tiloilc.automaton.draft import Draft, components, reachable
+from tiloilc.automaton.draft import Draft, components, on_cycles, reachable
 from tiloilc.automaton.reduction.inclusion import MAX_PAIRS, Inclusion
 from tiloilc.automaton.reduction.jumps import waiting_states
 
@@ -28,16 +28,21 @@ def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
         return draft
     graph = [[t for t, _ in row] for row in draft.rows]
     waiting = waiting_states(draft)
-    targets = {t for row in draft.jumps for t in row}
-    entered = targets | {t for q in waiting for t in graph[q] if t not in waiting}
-    pairs = [(t, u) for t in sorted(reachable(graph, targets)) for u in sorted(entered) if t != u]
+    ahead = sorted(reachable(graph, {t for row in draft.jumps for t in row}))
+    entered = sorted({*ahead, *(t for q in waiting for t in graph[q] if t not in waiting)})
+    pairs = [(t, u) for t in ahead for u in entered if t != u]
     if len(pairs) > MAX_PAIRS:
         return draft
     rank = components(graph)
     size = [len(reachable(graph, [t])) for t in range(len(graph))]
-    candidates = [(q, t) for q, row in enumerate(draft.jumps) for t in row]
     jumps = [list(row) for row in draft.jumps]
     following = _Following(draft, diagrams, Inclusion(draft, diagrams, pairs), waiting, jumps)
+    _, looping = on_cycles(draft)
+    for q in sorted(waiting):
+        if looping[q]:
+            more = [t for t in ahead if looping[t] and t not in jumps[q] and following.follows(q, t)]
+            jumps[q] = sorted([*jumps[q], *more])
+    candidates = [(q, t) for q, row in enumerate(jumps) for t in row]
     for q, target in sorted(candidates, key=lambda jump: (-size[jump[1]], -rank[jump[1]], jump)):
         jumps[q].remove(target)
         if not following.follows(q, target):
