@@ -81,9 +81,16 @@ RULES: dict[str, Rule] = _rules(
         "proposition `{name}` is declared but the formula never uses it",
     ),
     Rule("LTL205", W, "ambiguous-word", "`{word}` is read as {reading}"),
+    Rule("LTL206", E, "word-syntax", "cannot read the word: {problem}"),
     Rule("LTL210", E, "unsatisfiable", "no behaviour satisfies the formula"),
     Rule("LTL211", W, "always-true", "every behaviour satisfies the formula"),
     Rule("LTL212", W, "vacuous", "`{part}` does not matter: the formula means the same without it"),
+    Rule(
+        "LTL213",
+        W,
+        "irrelevant-proposition",
+        "proposition `{name}` never matters: the formula means the same whatever it is",
+    ),
     Rule("LTL214", W, "precedence-surprise", "`{text}` is read as `{reading}`"),
     Rule("LTL215", N, "chain-order", "the order in `{part}` is not part of its language"),
     # Automaton
@@ -97,6 +104,20 @@ RULES: dict[str, Rule] = _rules(
         "the automaton is not limit-deterministic: {problem}",
     ),
     Rule("AUT305", E, "state-cap", "the automaton is too large: {problem}"),
+    Rule("AUT306", E, "alternating", "the automaton is alternating: {problem}"),
+    Rule(
+        "AUT307",
+        E,
+        "undeclared-proposition",
+        "the automaton reads `{name}`, which is not declared",
+    ),
+    Rule(
+        "AUT308",
+        W,
+        "unread-proposition",
+        "proposition `{name}` is declared but the automaton never reads it",
+    ),
+    Rule("AUT309", W, "accepts-everything", "the automaton accepts every behaviour"),
     # Stages
     Rule("PLAN401", E, "stale-plan", "`{path}` {change} after the plan was compiled"),
     Rule("PLAN402", E, "no-accepting-state", "no accepting state can be reached"),
