@@ -3,7 +3,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.strategies import formulas, lassos
-from tiloilc.driver.vacuity import irrelevant_parts, irrelevant_propositions
+from tiloilc.automaton.language.compare import irrelevant_propositions
+from tiloilc.driver.vacuity import irrelevant_parts
 from tiloilc.ltl import Lasso, Syntax, holds, parse, to_text
 from tiloilc.ltl.ast import Formula
 

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from tiloilc.automaton import is_empty, satisfying_word, translate
+from tiloilc.automaton.language.compare import irrelevant_propositions
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import CompileError, Diagnostic, Span
-from tiloilc.driver.vacuity import irrelevant_parts, irrelevant_propositions
+from tiloilc.driver.vacuity import irrelevant_parts
 from tiloilc.ltl import Parsed, Syntax, propositions_of, to_text
 from tiloilc.ltl.ast import Always, And, Eventually, Formula, Next, Not
 

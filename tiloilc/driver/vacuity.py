@@ -7,20 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from tiloilc.automaton import difference_word
 from tiloilc.diag import CompileError
-from tiloilc.ltl import Syntax, propositions_of, subformulas
-from tiloilc.ltl.ast import (
-    FALSE,
-    TRUE,
-    And,
-    Binary,
-    Constant,
-    Formula,
-    Junction,
-    Proposition,
-    Unary,
-    conjunction,
-    disjunction,
-)
+from tiloilc.ltl import Syntax
+from tiloilc.ltl.ast import FALSE, TRUE, Constant, Formula
 
 MAX_PARTS = 40
 MAX_STATES = 200
@@ -58,23 +46,6 @@ def irrelevant_parts(syntax: Syntax, propositions: Sequence[str]) -> list[tuple[
         if before == set(found) or time.monotonic() > until:
             break
     return _in_order(found)
-
-
-def irrelevant_propositions(formula: Formula, propositions: Sequence[str]) -> Iterator[str]:
-    """The propositions of `formula` on which its language does not depend.
-
-    Ends early where the comparison would take too long.
-    """
-    until = time.monotonic() + SECONDS_IN_ALL
-    names = propositions_of(formula)
-    for name in names if len(names) <= MAX_PARTS else ():
-        try:
-            if _same(formula, _always_true(formula, name), BOTH, TRUE, propositions):
-                yield name
-        except CompileError:
-            return
-        if time.monotonic() > until:
-            return
 
 
 def _places(syntax: Syntax) -> Iterator[tuple[Syntax, int]]:
@@ -149,21 +120,3 @@ def _within(place: Syntax, found: Iterable[tuple[Syntax, Formula]]) -> bool:
 
 def _in_order(found: dict[int, tuple[Syntax, Formula]]) -> list[tuple[Syntax, Formula]]:
     return sorted(found.values(), key=lambda each: each[0].start)
-
-
-def _always_true(formula: Formula, name: str) -> Formula:
-    """`formula` with `true` for the proposition `name`."""
-    done: dict[Formula, Formula] = {}
-    for node in subformulas(formula):
-        if isinstance(node, Proposition):
-            done[node] = TRUE if node.name == name else node
-        elif isinstance(node, Unary):
-            done[node] = type(node)(done[node.operand])
-        elif isinstance(node, Binary):
-            done[node] = type(node)(done[node.left], done[node.right])
-        elif isinstance(node, Junction):
-            join = conjunction if isinstance(node, And) else disjunction
-            done[node] = join(done[operand] for operand in node.operands)
-        else:
-            done[node] = node
-    return done[formula]
