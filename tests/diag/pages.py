@@ -40,6 +40,7 @@ from pathlib import Path
 
 import pytest
 
+from tiloilc.cli.console import sources
 from tiloilc.diag import RULES, CompileError, render
 from tiloilc.driver import lint
 
@@ -161,7 +162,7 @@ def _printed(block: Block) -> str:
             found = list(lint(TASK))
         except CompileError as error:
             found = list(error.diagnostics)
-        return render(found, "text", {TASK: text})
+        return render(found, "text", {**sources(found), TASK: text})
     if block.language == "python":
         try:
             _run(block, {})

@@ -122,11 +122,6 @@ def test_a_formula_bomb_ends_in_a_diagnostic(
     assert all(d.span is not None for d in found)
 
 
-def test_an_automaton_of_ones_own_is_refused_for_now(tmp_path: Path) -> None:
-    found = lint(spec(tmp_path, (f"formula: {FORMULA}", "automaton: mine.hoa")))
-    assert codes(found) == ["AUT302"]
-
-
 def test_no_names_are_unknown_where_no_propositions_could_be_read(tmp_path: Path) -> None:
     path = tmp_path / "task.yaml"
     path.write_text("name: x\npropositions: []\nformula: F a\n", encoding="utf-8")
