@@ -18,8 +18,9 @@ from tiloilc.automaton import Cube, Edge, Ldba, to_png, to_svg, translate
 from tiloilc.automaton.drawing.picture.compose import MOST_LINKS, picture
 from tiloilc.automaton.drawing.picture.layout import Arrow, columns_of
 from tiloilc.automaton.drawing.picture.shapes import LOOKS, Curve, Rectangle, Scene, Text
-from tiloilc.automaton.drawing.text import columns, own_parts, width, wrapped
+from tiloilc.automaton.drawing.text import own_parts, width, wrapped
 from tiloilc.diag import CompileError
+from tiloilc.diag.text import cells
 from tiloilc.ltl import parse, to_text
 from tiloilc.plan import stage_plan
 
@@ -169,7 +170,7 @@ def test_stages_go_from_left_to_right() -> None:
         assert before < min(left for left, _ in found[stage + 1])
 
 
-def test_states_of_one_stage_with_an_edge_stand_in_two_columns() -> None:
+def test_states_of_one_stage_with_an_edge_stand_in_two_cells() -> None:
     arrows = [Arrow(0, 1, 1, 1), Arrow(2, 1, 1, 1), Arrow(1, 3, 1, 1)]
     assert columns_of([0, 1, 1, 2], arrows) == [0, 1, 2, 3]
     assert columns_of([0, 1, 1, 2], arrows[:1]) == [0, 1, 1, 2]
@@ -221,13 +222,13 @@ def test_formulas_are_broken_outside_brackets_first() -> None:
     assert wrapped("aa & bb | cc & dd", 10, 4) == ["aa & bb", "| cc & dd"]
     assert wrapped(text, 8, 2) == ["(a", "| b & c) …"]
     assert wrapped("human_is_inside_the_fence", 16, 4) == ["human_is_inside_", "the_fence"]
-    assert columns(wrapped("x" * 80, 20, 4)[0]) <= 30
+    assert cells(wrapped("x" * 80, 20, 4)[0]) <= 30
 
 
 def test_wide_letters_count_twice() -> None:
-    assert columns("ab") == 2
-    assert columns("红色") == 4
-    assert columns("e\u0301") == 1
+    assert cells("ab") == 2
+    assert cells("红色") == 4
+    assert cells("e\u0301") == 1
 
 
 def test_png_is_as_large_as_the_svg_at_two_dots_a_point() -> None:

@@ -163,7 +163,7 @@ class _Reader:
             where = token or self.tokens[-1]
             shown = f"`{where.text}` is no proposition" if token else "a proposition is missing"
             if where.kind == "odd":
-                raise self.error("a quote is never closed", where, "add `\"`")
+                raise self.error("a quote is never closed", where, 'add `"`')
             help = "a letter says which propositions hold: `a, b` or `a & !b`"
             raise self.error(shown, where, help)
         self.at += 1

@@ -7,13 +7,13 @@ picture is laid out the same whatever fonts are installed.
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from tiloilc.automaton.draft import reachable
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import CompileError
+from tiloilc.diag.text import cells
 from tiloilc.ltl import parse, to_text
 from tiloilc.ltl.ast import And, Formula, conjunction
 
@@ -28,15 +28,9 @@ LOOSEST_FIRST = ("<->", "->", "|", "^", "&", "U", "W", "R", "M")
 """Operators as loosely as they bind."""
 
 
-def columns(text: str) -> int:
-    """The width of `text` in characters of a terminal or a monospaced font."""
-    wide = sum(unicodedata.east_asian_width(c) in "WF" for c in text)
-    return len(text) + wide - sum(unicodedata.combining(c) > 0 for c in text)
-
-
 def width(lines: Sequence[str], size: float) -> float:
     """The width of the longest line in points, at a font size in points."""
-    return max((columns(line) for line in lines), default=0) * ADVANCE * size
+    return max((cells(line) for line in lines), default=0) * ADVANCE * size
 
 
 def wrapped(text: str, limit: int, lines: int) -> list[str]:
@@ -59,11 +53,11 @@ def _broken(text: str, limit: int, level: int) -> Iterator[str]:
     for start, end in pairwise([0, *places, len(text)]):
         part = text[start:end].strip()
         joined = f"{line} {part}" if line else part
-        if line and columns(joined) > limit:
+        if line and cells(joined) > limit:
             yield line
             joined = part
         line = joined
-        if deeper is not None and columns(line) > limit:
+        if deeper is not None and cells(line) > limit:
             *whole, line = _broken(line, limit, deeper)
             yield from whole
     yield line
@@ -81,11 +75,11 @@ def _operators(text: str) -> Iterator[tuple[int, int]]:
 
 def _narrowed(line: str, limit: int) -> list[str]:
     """A line in pieces none of which is wider than `limit` and a half."""
-    if columns(line) <= limit:
+    if cells(line) <= limit:
         return [line]
     pieces = [""]
     for part in re.split(r"(?<=[_\- ])", line):
-        if columns(pieces[-1] + part) <= limit or not pieces[-1]:
+        if cells(pieces[-1] + part) <= limit or not pieces[-1]:
             pieces[-1] += part
         else:
             pieces.append(part)
@@ -94,7 +88,7 @@ def _narrowed(line: str, limit: int) -> list[str]:
 
 def _shortened(word: str, limit: int) -> str:
     """`word` without its middle, if it is longer than `limit`."""
-    if columns(word) <= limit:
+    if cells(word) <= limit:
         return word
     kept = (limit - 1) // 2
     return f"{word[:kept]}…{word[-kept:]}"
