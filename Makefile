@@ -14,7 +14,7 @@ STAMP  := $(VENV)/.installed
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) -ra --durations=10
 
 .DELETE_ON_ERROR:
-.PHONY: help setup run records results test quick check format constraints clean
+.PHONY: help setup run records results bench test quick check format constraints clean
 
 help:  ## list the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
@@ -39,6 +39,9 @@ records: $(STAMP)  ## train every task of specs/ and add its records to results/
 
 results: $(STAMP)  ## write docs/results.md from the records in results/
 	$(BIN)/python -m tiloilc.report.results results docs/results.md
+
+bench: $(STAMP)  ## measure automata beside published sizes and write docs/automaton_sizes.md
+	$(BIN)/tiloilc bench -o docs/automaton_sizes.md
 
 test: $(STAMP)  ## all tests, the slow ones too
 	$(PYTEST)

@@ -201,12 +201,21 @@ def test_translate_without_a_formula_is_a_usage_error(run: Run) -> None:
 @pytest.mark.parametrize(
     ("formulas", "status", "said"),
     [
-        (("G F a",), 0, ["satisfiable: yes", "valid: no"]),
+        (
+            ("G F a",),
+            0,
+            ["satisfiable: yes, by for ever {a}", "valid: no, by", "class: recurrence"],
+        ),
         (("a & !a",), 1, ["satisfiable: no"]),
-        (("a | !a",), 0, ["valid: yes"]),
+        (("a | !a",), 0, ["valid: yes", "class: bounded", "never matters: a"]),
+        (("F a", "G F a"), 1, ["G implies F", "F, not G: {a} then for ever {}"]),
         (("G F (a & X F b)", "G F a & G F b"), 0, ["equivalent"]),
         (("F G a", "G F a"), 1, ["F implies G", "G, not F: "]),
-        (("a", "b"), 1, ["neither implies the other", "F, not G: {a}", "G, not F: {b}"]),
+        (
+            ("a", "b"),
+            1,
+            ["neither implies the other", "F, not G: for ever {a}", "G, not F: for ever {b}"],
+        ),
     ],
 )
 def test_check_says_how_formulas_relate(

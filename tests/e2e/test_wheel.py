@@ -17,8 +17,13 @@ import pytest
 
 pytestmark = pytest.mark.slow
 
-SOURCES = ("tiloilc", "tasks", "specs")
-"""Folders of the checkout whose files travel in the wheel; the last two inside the package."""
+SOURCES = {
+    "tiloilc": "tiloilc",
+    "tasks": "tiloilc/tasks",
+    "specs": "tiloilc/specs",
+    "docs/diagnostics": "tiloilc/diagnostics",
+}
+"""Folders of the checkout whose files travel in the wheel, and where they are in it."""
 
 
 def run(*command: str | Path, cwd: Path) -> str:
@@ -90,11 +95,10 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
 
 def test_every_source_file_is_in_the_wheel(installed: Installed, root: Path) -> None:
     expected = set()
-    for name in SOURCES:
-        prefix = Path("tiloilc") if name == "tiloilc" else Path("tiloilc") / name
+    for name, prefix in SOURCES.items():
         for folder, _, files in os.walk(root / name):
             expected |= {
-                str(prefix / (Path(folder) / file).relative_to(root / name))
+                str(Path(prefix) / (Path(folder) / file).relative_to(root / name))
                 for file in files
                 if "__pycache__" not in folder
             }
@@ -118,6 +122,7 @@ def test_the_wheel_is_typed(installed: Installed) -> None:
 def test_the_installed_program_compiles_a_bundled_task(installed: Installed) -> None:
     spec = installed.package / "specs" / "flatworld_cycle.yaml"
     installed.tiloilc("lint", spec)
+    assert installed.tiloilc("explain", "LTL203").startswith("error[LTL203]")
     installed.tiloilc("compile", spec, "-o", installed.work / "out")
     plan = json.loads((installed.work / "out" / "plan.json").read_text(encoding="utf-8"))
     assert plan["name"] == "flatworld_cycle"

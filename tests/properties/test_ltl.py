@@ -30,8 +30,6 @@ ABC = ("a", "b", "c")
 NAMES = ("a", "F", "GFa", "a b", 'x"\\', "until", "V")
 """Names that look like operators."""
 
-EXAMPLES = 20_000
-
 
 def letter(bits: int) -> frozenset[str]:
     return frozenset(name for bit, name in enumerate(ABC) if bits >> bit & 1)
@@ -45,21 +43,6 @@ PASSES: dict[str, Callable[[Formula], Formula]] = {
     "simplify": simplify,
     "unfold": lambda f: unfold(nnf(f)),
 }
-
-
-@pytest.mark.slow
-def test_every_pass_keeps_the_meaning_of_many_formulas() -> None:
-    generator = random.Random(2)
-    satisfied = 0
-    for _ in range(EXAMPLES):
-        formula, word = random_formula(generator, ABC), random_lasso(generator, ABC)
-        wanted = holds(formula, word, ABC)
-        satisfied += wanted
-        for name, run in PASSES.items():
-            assert holds(run(formula), word, ABC) == wanted, (name, to_text(formula), word)
-        left = after(nnf(formula), letter(word.letters[0]))
-        assert holds(left, word.suffix(1), ABC) == wanted, (to_text(formula), word)
-    assert EXAMPLES * 0.3 < satisfied < EXAMPLES * 0.7
 
 
 @pytest.mark.parametrize("name", PASSES)

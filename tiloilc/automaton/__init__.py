@@ -1,8 +1,11 @@
 """Limit-deterministic Büchi automata: from formulas, their words, HOA, pictures."""
 
-from tiloilc.automaton.drawing.draw import to_dot, to_mermaid, to_svg
+from tiloilc.automaton.drawing.dot import to_dot
+from tiloilc.automaton.drawing.draw import to_png, to_svg
 from tiloilc.automaton.drawing.graphviz import rendered
+from tiloilc.automaton.drawing.mermaid import to_mermaid
 from tiloilc.automaton.guards import guard_text
+from tiloilc.automaton.hoa.read import from_hoa, read_hoa
 from tiloilc.automaton.hoa.write import to_hoa
 from tiloilc.automaton.language.compare import difference_word, satisfying_word
 from tiloilc.automaton.language.complement import rejected_word
@@ -23,14 +26,17 @@ __all__ = [
     "accepted_word",
     "accepts",
     "difference_word",
+    "from_hoa",
     "guard_text",
     "is_empty",
+    "read_hoa",
     "rejected_word",
     "rendered",
     "satisfying_word",
     "to_dot",
     "to_hoa",
     "to_mermaid",
+    "to_png",
     "to_svg",
     "translate",
 ]

@@ -38,7 +38,7 @@ class Diagrams:
         self._and: dict[tuple[Node, Node], Node] = {}
         self._or: dict[tuple[Node, Node], Node] = {}
         self._not: dict[Node, Node] = {FALSE: TRUE, TRUE: FALSE}
-        self._support: dict[Node, frozenset[int]] = {FALSE: frozenset(), TRUE: frozenset()}
+        self._support: dict[Node, int] = {FALSE: 0, TRUE: 0}
         self._first: dict[Node, int] = {TRUE: 0}
 
     def node(self, variable: int, low: Node, high: Node) -> Node:
@@ -122,10 +122,21 @@ class Diagrams:
 
     def support(self, f: Node) -> frozenset[int]:
         """The variables that `f` depends on."""
+        bits = self._support_bits(f)
+        found = []
+        while bits:
+            lowest = bits & -bits
+            found.append(lowest.bit_length() - 1)
+            bits ^= lowest
+        return frozenset(found)
+
+    def _support_bits(self, f: Node) -> int:
+        """The support as bits: a set for each of a million nodes would fill the memory."""
         result = self._support.get(f)
         if result is None:
             v, low, high = self._table[f]
-            result = self._support[f] = self.support(low) | self.support(high) | {v}
+            result = self._support_bits(low) | self._support_bits(high) | 1 << v
+            self._support[f] = result
         return result
 
     def assign(self, f: Node, values: Mapping[int, bool]) -> Node:
@@ -175,8 +186,12 @@ class Diagrams:
             self._first[f] = result
         return result
 
-    def cover(self, f: Node) -> list[Literals]:
-        """An irredundant cover of `f` by prime implicants (Minato, 1993), in a fixed order."""
+    def cover(self, f: Node, most: Node | None = None) -> list[Literals]:
+        """An irredundant cover of `f` by prime implicants (Minato, 1993), in a fixed order.
+
+        With `most`, which `f` implies, of some function between the two: what is in `most` only
+        does not matter.
+        """
         memo: dict[tuple[Node, Node], tuple[Node, list[Literals]]] = {}
 
         def between(low: Node, up: Node) -> tuple[Node, list[Literals]]:
@@ -207,7 +222,7 @@ class Diagrams:
             )
             return memo[key]
 
-        return between(f, f)[1]
+        return between(f, f if most is None else most)[1]
 
     def _cofactors(self, f: Node, variable: int) -> tuple[Node, Node]:
         v, low, high = self._table[f]

@@ -15,13 +15,21 @@ def guard_text(guard: Sequence[Cube], propositions: Sequence[str]) -> str:
 
     A disjunction of conjunctions, or the other way round where that is shorter.
     """
-    names = [name_text(name) for name in propositions]
     diagrams = Diagrams(Budget())
     node = as_diagram(diagrams, guard)
-    if node in (FALSE, TRUE):
-        return "true" if node == TRUE else "false"
-    products = sorted(diagrams.cover(node))
-    sums = sorted(diagrams.cover(diagrams.negate(node)))
+    return text_between(diagrams, node, node, propositions)
+
+
+def text_between(diagrams: Diagrams, low: Node, high: Node, propositions: Sequence[str]) -> str:
+    """A short formula that holds of all letters in `low`, and of none outside `high`.
+
+    What is in `high` only does not matter; `low` implies `high`.
+    """
+    names = [name_text(name) for name in propositions]
+    if low == FALSE or high == TRUE:
+        return "false" if low == FALSE else "true"
+    products = sorted(diagrams.cover(low, high))
+    sums = sorted(diagrams.cover(diagrams.negate(high), diagrams.negate(low)))
     if sum(map(len, sums)) < sum(map(len, products)):
         turned = [[(v, not sign) for v, sign in literals] for literals in sums]
         return _junctions(turned, names, " & ", " | ")

@@ -21,8 +21,9 @@ def command(
 ) -> None:
     """Say what a formula means, or how two formulas differ.
 
-    Of F alone: whether it is satisfiable and valid. Of F and G: equivalent, implied, or a word
-    that tells them apart.
+    Of F alone: whether it is satisfiable and valid, with shortest words that say so, its class in
+    the safety–progress hierarchy, and propositions that never matter. Of F and G: equivalent,
+    implied, or a shortest word that tells them apart.
 
     Exit with 1 if F is unsatisfiable, or if F and G are not equivalent.
     """
@@ -51,23 +52,26 @@ def _parsed(text: Written, propositions: str | None) -> Parsed:
 
 
 def _alone(formula: Formula, names: tuple[str, ...]) -> bool:
-    from tiloilc.automaton import satisfying_word
+    from tiloilc.automaton import translate
+    from tiloilc.automaton.language.classes import formula_class
+    from tiloilc.automaton.language.compare import irrelevant_propositions
     from tiloilc.ltl.ast import Not
-    from tiloilc.plan.explain import word_text
 
-    model = satisfying_word(formula, names)
-    counter = satisfying_word(Not(formula), names)
-    print("satisfiable: " + ("no" if model is None else f"yes, by {word_text(model, names)}"))
-    print("valid: " + ("yes" if counter is None else f"no, by {word_text(counter, names)}"))
+    model, counter = _word(formula, names), _word(Not(formula), names)
+    print("satisfiable: " + ("no" if model is None else f"yes, by {model}"))
+    print("valid: " + ("yes" if counter is None else f"no, by {counter}"))
+    found = formula_class(formula, translate(formula, names))
+    print(f"class: {found} ({found.words})")
+    if idle := list(irrelevant_propositions(formula, names)):
+        print(f"never matters: {', '.join(idle)}")
     return model is not None
 
 
 def _together(first: Formula, second: Formula, names: tuple[str, ...]) -> bool:
-    from tiloilc.automaton import difference_word
-    from tiloilc.plan.explain import word_text
+    from tiloilc.ltl.ast import Not, conjunction
 
-    only_first = difference_word(first, second, names)
-    only_second = difference_word(second, first, names)
+    only_first = _word(conjunction((first, Not(second))), names)
+    only_second = _word(conjunction((second, Not(first))), names)
     if only_first is None and only_second is None:
         print("equivalent")
         return True
@@ -79,5 +83,15 @@ def _together(first: Formula, second: Formula, names: tuple[str, ...]) -> bool:
         print("neither implies the other")
     for word, who in ((only_first, "F, not G"), (only_second, "G, not F")):
         if word is not None:
-            print(f"{who}: {word_text(word, names)}")
+            print(f"{who}: {word}")
     return False
+
+
+def _word(formula: Formula, names: tuple[str, ...]) -> str | None:
+    """A shortest word of `formula`, None if there is none. Raises CompileError AUT305."""
+    from tiloilc.automaton import satisfying_word
+    from tiloilc.automaton.language.shortest import shortest_word
+    from tiloilc.ltl.words import word_text
+
+    known = satisfying_word(formula, names)
+    return None if known is None else word_text(shortest_word(formula, names, known), names)

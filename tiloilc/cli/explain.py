@@ -11,6 +11,7 @@ import typer
 
 from tiloilc.cli.console import fail
 from tiloilc.diag import RULES, did_you_mean
+from tiloilc.diag.pages import page, readable
 
 
 def command(
@@ -30,16 +31,8 @@ def command(
 
         sys.stdout.write(explain(plan_of(path)))
     elif subject.upper() in RULES:
-        sys.stdout.write(_rule(subject.upper()))
+        sys.stdout.write(readable(page(subject.upper())))
     elif re.fullmatch(r"[A-Za-z]+\d+", subject):
         raise fail(f"unknown code `{subject}`. {did_you_mean(subject.upper(), RULES)}".strip())
     else:
         raise fail(f"there is no file `{subject}`")
-
-
-def _rule(code: str) -> str:
-    import textwrap
-
-    rule = RULES[code]
-    text = textwrap.fill(rule.explanation.replace("{{", "{").replace("}}", "}"), 80)
-    return f"{rule.severity}[{code}] {rule.name}\n\n{text}\n"

@@ -62,10 +62,15 @@ def read(written: Written, names: str | None = None) -> Parsed:
 
 
 def show(diagnostics: tuple[Diagnostic, ...], written: Written) -> None:
-    """Findings about a formula, with an excerpt of it, on standard error."""
+    """Findings about a formula, with an excerpt of it, on standard error.
+
+    Those without a place are about the whole formula.
+    """
     import sys
+    from dataclasses import replace
 
     from tiloilc.cli.console import coloured
 
     sources = {written.file: "\n" * (written.line - 1) + written.text}
-    sys.stderr.write(render(diagnostics, "text", sources, colour=coloured(sys.stderr)))
+    placed = [replace(d, span=d.span or written.source.span()) for d in diagnostics]
+    sys.stderr.write(render(placed, "text", sources, colour=coloured(sys.stderr)))

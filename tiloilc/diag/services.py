@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from urllib.parse import quote
 
 from tiloilc.diag.core import Diagnostic, Severity, Span
+from tiloilc.diag.pages import meaning
 from tiloilc.diag.registry import RULES
 from tiloilc.diag.text import one_line
 
@@ -26,7 +27,7 @@ def render_sarif(diagnostics: Sequence[Diagnostic]) -> str:
         {
             "id": code,
             "name": RULES[code].name,
-            "fullDescription": {"text": RULES[code].explanation},
+            "fullDescription": {"text": meaning(code)},
             "defaultConfiguration": {"level": str(RULES[code].severity)},
         }
         for code in codes

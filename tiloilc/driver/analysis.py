@@ -16,6 +16,7 @@ from tiloilc.driver.demonstrations import fit_findings
 from tiloilc.driver.environment import Asked, ask
 from tiloilc.driver.findings import Findings
 from tiloilc.driver.formula import meaning, translated, unused
+from tiloilc.driver.imported import import_findings, imported
 from tiloilc.driver.settings import settings_findings
 from tiloilc.label import compile_predicates
 from tiloilc.ltl import Parsed, parse
@@ -57,10 +58,8 @@ def analyse(path: str | os.PathLike[str]) -> Analysis:
     findings = Findings(list(found))
     if spec is not None:
         findings.add(settings_findings(spec.train, lambda name: _setting(document, name)))
-    parsed = findings.attempt(lambda: _parse(document)) if _has_formula(document) else None
+    parsed = findings.attempt(lambda: _parse(document)) if _has(document, "formula") else None
     ldba, stages = _automaton(parsed, document, findings)
-    if document.has("automaton"):
-        _no_automata_yet(document, findings)
     environment = _environment(document, spec)
     asked = None
     if environment is not None:
@@ -74,17 +73,17 @@ def analyse(path: str | os.PathLike[str]) -> Analysis:
         if labels and asked and not findings.failed:
             findings.attempt(lambda: labels(asked.seen))
         demos = None
-        if spec and asked and labels and ldba and parsed and not findings.failed:
+        if spec and asked and labels and ldba and not findings.failed:
             demos = _demonstrations(spec, asked, labels, ldba, document, findings)
     return Analysis(
         document, spec, asked, fields, parsed, ldba, stages, demos, tuple(findings.ordered())
     )
 
 
-def _has_formula(document: Document) -> bool:
-    """Whether there is a formula to read; what is none was reported as such."""
+def _has(document: Document, key: str) -> bool:
+    """Whether there is such a text to read; what is none was reported as such."""
     try:
-        return document.value_text("formula").value != ""
+        return document.value_text(key).value != ""
     except KeyError:
         return False
 
@@ -97,16 +96,21 @@ def _parse(document: Document) -> Parsed:
 def _automaton(
     parsed: Parsed | None, document: Document, findings: Findings
 ) -> tuple[Ldba | None, Stages | None]:
-    if parsed is None:
+    """The automaton of the formula, or the one in the file that stands for it."""
+    key = "formula" if parsed is not None else "automaton"
+    span = document.span(key)
+    if parsed is not None:
+        findings.add(parsed.warnings)
+        places = [document.key_span("propositions", name) for name in parsed.propositions]
+        findings.add(unused(parsed, places))
+        ldba = findings.attempt(lambda: translated(parsed, span))
+    elif _has(document, "automaton") and not document.has("formula"):
+        ldba = findings.attempt(lambda: imported(document))
+    else:
         return None, None
-    span = document.span("formula")
-    findings.add(parsed.warnings)
-    places = [document.key_span("propositions", name) for name in parsed.propositions]
-    findings.add(unused(parsed, places))
-    ldba = findings.attempt(lambda: translated(parsed, span))
     if ldba is None:
         return None, None
-    said = list(meaning(parsed, ldba, span))
+    said = list(import_findings(ldba, document) if parsed is None else meaning(parsed, ldba, span))
     findings.add(said)
     if any(d.severity is Severity.ERROR for d in said):
         return ldba, None
@@ -114,12 +118,6 @@ def _automaton(
     if stages is not None:
         findings.add(stage_findings(ldba, stages, span))
     return ldba, stages
-
-
-def _no_automata_yet(document: Document, findings: Findings) -> None:
-    span = document.key_span("automaton")
-    problem = "this version of tiloilc reads formulas only"
-    findings.add([Diagnostic.of("AUT302", span, problem=problem, help="write `formula:`")])
 
 
 def _setting(document: Document, name: str) -> Span:

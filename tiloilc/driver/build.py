@@ -23,6 +23,9 @@ from tiloilc.spec import Demonstrations, PythonPredicate, Spec
 PLAN = "plan.json"
 DEMOS = "demos.npz"
 
+COPIED = ("spec", "automaton", "demonstrations")
+"""Kinds of inputs of which a plan holds all that training needs."""
+
 JOB = '''\
 """Trains the plan beside this file: python job.py [OPTIONS], as `tiloilc train`."""
 
@@ -63,13 +66,11 @@ def compile_spec(path: str | os.PathLike[str]) -> Compiled:
 
 def compiled(analysis: Analysis) -> Compiled:
     """The plan of a task without faults."""
-    spec, parsed, ldba, stages = analysis.spec, analysis.parsed, analysis.ldba, analysis.stages
+    spec, ldba, stages = analysis.spec, analysis.ldba, analysis.stages
     assert not analysis.failed
     assert spec is not None
-    assert parsed is not None
     assert ldba is not None
     assert stages is not None
-    assert spec.formula is not None
     demos = analysis.demos or DemoSet(())
     digests = {"spec:" + analysis.document.path.name: _sha256(analysis.document.path)}
     digests |= _inputs(spec, analysis.document.path.parent)
@@ -85,7 +86,7 @@ def compiled(analysis: Analysis) -> Compiled:
             else Predicate(name, text=p)
             for name, p in spec.propositions.items()
         ),
-        formula=spec.formula,
+        formula=spec.formula or "",
         ldba=ldba,
         stages=stages,
         demonstrations=spec.demonstrations or Demonstrations(count=0),
@@ -107,8 +108,8 @@ def write_build(result: Compiled, folder: Path) -> None:
     plan = result.plan
     folder.mkdir(parents=True, exist_ok=True)
     (folder / PLAN).unlink(missing_ok=True)
-    write_file(folder / "automaton.hoa", to_hoa(plan.ldba, name=plan.formula))
-    write_file(folder / "automaton.svg", to_svg(plan.ldba, plan.stages, plan.formula))
+    write_file(folder / "automaton.hoa", to_hoa(plan.ldba, name=plan.goal))
+    write_file(folder / "automaton.svg", to_svg(plan.ldba, plan.stages, plan.goal))
     for name in (DEMOS, Path(DEMOS).with_suffix(".json").name):
         (folder / name).unlink(missing_ok=True)
     if len(result.demos):
@@ -131,7 +132,7 @@ def load_plan(path: str | os.PathLike[str], *, of_run: bool = False) -> Plan:
     """
     file = plan_file(Path(path))
     plan = read_plan(file)
-    held = ("spec", "demonstrations") if of_run else ()
+    held = COPIED if of_run else ()
     stale = list(_changed(plan, file.parent, held))
     if stale:
         raise CompileError(*(_stale(plan, name, file.parent) for name in stale))
@@ -189,6 +190,8 @@ def _inputs(spec: Spec, root: Path) -> dict[str, str]:
     }
     if spec.demonstrations is not None and spec.demonstrations.file is not None:
         files.add(f"demonstrations:{spec.demonstrations.file}")
+    if spec.automaton is not None:
+        files.add(f"automaton:{spec.automaton}")
     own = source_of(spec.environment, root)
     if own is not None:
         files.add(f"environment:{own.relative_to(root).as_posix()}")
@@ -198,8 +201,8 @@ def _inputs(spec: Spec, root: Path) -> dict[str, str]:
 def _changed(plan: Plan, folder: Path, held: Sequence[str]) -> list[str]:
     """The inputs that differ from the plan's digests, as the user would name them.
 
-    Kinds in `held` are not looked at. A task file or a file of demonstrations that is gone changes
-    nothing: the plan holds what was in it. What training itself needs must be there.
+    Kinds in `held` are not looked at. If a file whose content the plan holds is gone, nothing
+    changes. What training itself needs must be there.
     """
     changed = []
     for key, digest in plan.digests.items():
@@ -208,7 +211,7 @@ def _changed(plan: Plan, folder: Path, held: Sequence[str]) -> list[str]:
             continue
         path = Path(plan.root) / name if kind else folder / name
         gone = not path.is_file()
-        if kind not in ("spec", "demonstrations") if gone else _sha256(path) != digest:
+        if kind not in COPIED if gone else _sha256(path) != digest:
             changed.append(name)
     return changed
 

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from tiloilc.automaton import is_empty, satisfying_word, translate
+from tiloilc.automaton.language.compare import irrelevant_propositions
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import CompileError, Diagnostic, Span
 from tiloilc.driver.vacuity import irrelevant_parts
-from tiloilc.ltl import Parsed, propositions_of, subformulas, to_text
-from tiloilc.ltl.ast import Always, And, Eventually, Formula, Next, Not, Proposition
+from tiloilc.ltl import Parsed, Syntax, propositions_of, to_text
+from tiloilc.ltl.ast import Always, And, Eventually, Formula, Next, Not
 
 TAUTOLOGY_STATES = 500
 TAUTOLOGY_SECONDS = 2.0
@@ -34,18 +35,17 @@ def unused(parsed: Parsed, spans: Sequence[Span]) -> Iterator[Diagnostic]:
 
 
 def meaning(parsed: Parsed, ldba: Ldba, span: Span) -> Iterator[Diagnostic]:
-    """LTL210 to LTL212, LTL215 and AUT301; at `span` where they are about the whole formula."""
+    """LTL210 to LTL213, LTL215 and AUT301; at `span` where they are about the whole formula."""
     if is_empty(ldba):
         yield Diagnostic.of("LTL210", span)
         return
     if is_tautology(parsed.formula):
         yield Diagnostic.of("LTL211", span)
         return
-    for part in irrelevant_parts(parsed.formula, parsed.propositions):
-        help = "remove it, or check what was meant"
-        yield Diagnostic.of("LTL212", _place(part, parsed) or span, part=to_text(part), help=help)
-    for part in chains(parsed.formula):
-        yield Diagnostic.of("LTL215", _place(part, parsed) or span, part=to_text(part))
+    yield from _vacuous(parsed)
+    for part in chains(parsed.syntax):
+        place = parsed.text.span(part.start, part.end)
+        yield Diagnostic.of("LTL215", place, part=to_text(part.formula))
     if ldba.jumps:
         yield Diagnostic.of("AUT301", span, problem="the agent chooses when to take them")
 
@@ -64,10 +64,13 @@ def is_tautology(formula: Formula) -> bool:
     return refuting is None
 
 
-def chains(formula: Formula) -> Iterator[Formula]:
-    """The sub-formulas `GF(a & XF(b & …))`, whose order their language does not have."""
-    for part in subformulas(formula):
-        match part:
+def chains(syntax: Syntax) -> Iterator[Syntax]:
+    """The parts `GF(a & XF(b & …))`, whose order their language does not have."""
+    waiting = [syntax]
+    while waiting:
+        part = waiting.pop()
+        waiting.extend(reversed(part.parts))
+        match part.formula:
             case Always(Eventually(And(operands))) if any(map(_continues, operands)):
                 yield part
 
@@ -77,21 +80,23 @@ def _continues(part: Formula) -> bool:
     return isinstance(part, Next) and isinstance(part.operand, Eventually)
 
 
-def _place(part: Formula, parsed: Parsed) -> Span | None:
-    """From the first to the last proposition of `part`, where they stand like this in the text."""
-    names: list[str] = []
-    waiting = [part]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, Proposition):
-            names.append(node.name)
-        waiting.extend(reversed(node.children))
-    written = [name for name, _ in parsed.occurrences]
-    for i in range(len(written) - len(names) + 1):
-        if names and written[i : i + len(names)] == names:
-            first, last = parsed.occurrences[i][1], parsed.occurrences[i + len(names) - 1][1]
-            return replace(first, end_line=last.end_line, end_column=last.end_column)
-    return None
+def _vacuous(parsed: Parsed) -> Iterator[Diagnostic]:
+    """LTL212 for parts that do not matter, LTL213 for propositions of which no part says so."""
+    told: set[Span] = set()
+    help = "remove it, or check what was meant"
+    for part, _ in irrelevant_parts(parsed.syntax, parsed.propositions):
+        span = parsed.text.span(part.start, part.end)
+        yield Diagnostic.of("LTL212", span, part=to_text(part.formula), help=help)
+        told |= {place for _, place in parsed.occurrences if _within(place, span)}
+    for name in irrelevant_propositions(parsed.formula, parsed.propositions):
+        places = [place for written, place in parsed.occurrences if written == name]
+        if not told.issuperset(places):
+            yield Diagnostic.of("LTL213", places[0], name=name, help=help)
+
+
+def _within(inner: Span, outer: Span) -> bool:
+    begin, end = (inner.line, inner.column), (inner.end_line, inner.end_column)
+    return (outer.line, outer.column) <= begin and end <= (outer.end_line, outer.end_column)
 
 
 def _placed(diagnostic: Diagnostic, span: Span) -> Diagnostic:

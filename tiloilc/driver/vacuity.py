@@ -2,75 +2,121 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from tiloilc.automaton import difference_word
 from tiloilc.diag import CompileError
-from tiloilc.ltl import subformulas
-from tiloilc.ltl.ast import (
-    FALSE,
-    TRUE,
-    And,
-    Binary,
-    Constant,
-    Formula,
-    Junction,
-    Unary,
-    conjunction,
-    disjunction,
-)
+from tiloilc.ltl import Syntax
+from tiloilc.ltl.ast import FALSE, TRUE, Constant, Formula
 
 MAX_PARTS = 40
 MAX_STATES = 200
 SECONDS = 0.5
+SECONDS_IN_ALL = 5.0
 """Beyond these nobody asks: a comparison takes milliseconds on formulas that people write."""
 
+DOWN, BOTH, UP = -1, 0, 1
+"""Polarity: the formula gets weaker with a part (UP), stronger (DOWN), or nothing is known."""
 
-def irrelevant_parts(formula: Formula, propositions: Sequence[str]) -> Iterator[Formula]:
-    """The largest sub-formulas that true or false may replace, wherever they occur, for the same.
 
-    Ends early where the comparison would take too long. The formula itself is left out: it is
-    unsatisfiable or always true, which says more.
+def irrelevant_parts(syntax: Syntax, propositions: Sequence[str]) -> list[tuple[Syntax, Formula]]:
+    """The parts of a formula as written that do not matter, with constants that may replace them.
+
+    All may be replaced at once, for the same meaning. Each place is looked at on its own, the
+    largest first, later ones before earlier ones: of two that say the same, the second is named.
+    The formula itself is left out: it is unsatisfiable or always true, which says more. Ends early
+    where the comparison would take too long. In the order of the text.
     """
-    parts = subformulas(formula)
-    if len(parts) > MAX_PARTS:
-        return
-    told: set[Formula] = set()
-    for part in reversed(parts[:-1]):
-        if isinstance(part, Constant) or part in told:
-            continue
-        try:
-            matters = not any(
-                _equivalent(formula, replaced(formula, part, value), propositions)
-                for value in (FALSE, TRUE)
-            )
-        except CompileError:
-            return
-        if not matters:
-            told.update(subformulas(part))
-            yield part
+    places = list(_places(syntax))
+    found: dict[int, tuple[Syntax, Formula]] = {}
+    until = time.monotonic() + SECONDS_IN_ALL
+    while len(places) <= MAX_PARTS:
+        before = set(found)
+        for place, polarity in places:
+            if isinstance(place.formula, Constant) or _within(place, found.values()):
+                continue
+            try:
+                value = _replacement(syntax, place, polarity, found, propositions)
+            except CompileError:
+                return _in_order(found)
+            if value is not None:
+                found = {key: kept for key, kept in found.items() if not _holds(place, kept[0])}
+                found[id(place)] = place, value
+        if before == set(found) or time.monotonic() > until:
+            break
+    return _in_order(found)
 
 
-def replaced(formula: Formula, part: Formula, value: Formula) -> Formula:
-    """`formula` with `value` for every `part`."""
-    done: dict[Formula, Formula] = {}
-    for node in subformulas(formula):
-        if node == part:
-            done[node] = value
-        elif isinstance(node, Unary):
-            done[node] = type(node)(done[node.operand])
-        elif isinstance(node, Binary):
-            done[node] = type(node)(done[node.left], done[node.right])
-        elif isinstance(node, Junction):
-            join = conjunction if isinstance(node, And) else disjunction
-            done[node] = join(done[operand] for operand in node.operands)
-        else:
-            done[node] = node
-    return done[formula]
+def _places(syntax: Syntax) -> Iterator[tuple[Syntax, int]]:
+    """Every part but the whole, with its polarity: outer before inner, later before earlier."""
+    waiting = [(syntax, UP)]
+    while waiting:
+        node, polarity = waiting.pop(0)
+        if node is not syntax:
+            yield node, polarity
+        for index, part in reversed(list(enumerate(node.parts))):
+            waiting.append((part, polarity * _sign(node.rule, index)))
 
 
-def _equivalent(left: Formula, right: Formula, propositions: Sequence[str]) -> bool:
+def _sign(rule: str, index: int) -> int:
+    """Whether an operator gets weaker (UP) or stronger (DOWN) with its operand `index`."""
+    if rule in ("iff", "xor"):
+        return BOTH
+    return DOWN if rule == "negate" or (rule == "implies" and index == 0) else UP
+
+
+def _over(node: Syntax, replaced: Mapping[int, Formula]) -> Formula:
+    """The formula of `node` with other formulas for some parts, given by their ids."""
+    if id(node) in replaced:
+        return replaced[id(node)]
+    operands = [_over(part, replaced) for part in node.parts]
+    if all(new is part.formula for new, part in zip(operands, node.parts, strict=True)):
+        return node.formula
+    return node.over(operands)
+
+
+def _replacement(
+    syntax: Syntax,
+    place: Syntax,
+    polarity: int,
+    found: dict[int, tuple[Syntax, Formula]],
+    names: Sequence[str],
+) -> Constant | None:
+    """What may stand at `place`, beside what was `found`. Raises CompileError AUT305."""
+    replaced = {key: value for key, (_, value) in found.items()}
+    current = _over(syntax, replaced)
+    for value in (FALSE, TRUE):
+        changed = _over(syntax, {**replaced, id(place): value})
+        if _same(current, changed, polarity, value, names):
+            return value
+    return None
+
+
+def _same(
+    formula: Formula, changed: Formula, polarity: int, value: Constant, names: Sequence[str]
+) -> bool:
+    """Whether `changed`, with `value` for a part of `polarity`, still means the same.
+
+    One direction is known from the polarity. Raises CompileError AUT305.
+    """
+    pairs = [(formula, changed), (changed, formula)]
+    if polarity != BOTH:
+        weaker = (polarity == UP) == value.value
+        pairs = [(changed, formula)] if weaker else [(formula, changed)]
     return all(
-        difference_word(one, other, propositions, max_states=MAX_STATES, timeout=SECONDS) is None
-        for one, other in ((left, right), (right, left))
+        difference_word(left, right, names, max_states=MAX_STATES, timeout=SECONDS) is None
+        for left, right in pairs
     )
+
+
+def _holds(outer: Syntax, inner: Syntax) -> bool:
+    return outer.start <= inner.start and inner.end <= outer.end
+
+
+def _within(place: Syntax, found: Iterable[tuple[Syntax, Formula]]) -> bool:
+    return any(_holds(part, place) for part, _ in found)
+
+
+def _in_order(found: dict[int, tuple[Syntax, Formula]]) -> list[tuple[Syntax, Formula]]:
+    return sorted(found.values(), key=lambda each: each[0].start)

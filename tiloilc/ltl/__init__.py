@@ -15,10 +15,12 @@ from tiloilc.ltl.parser import Parsed, parse
 from tiloilc.ltl.printer import name_text, to_text
 from tiloilc.ltl.progress import after, unfold
 from tiloilc.ltl.rewrite import simplify
+from tiloilc.ltl.syntax import Syntax
 
 __all__ = [
     "Lasso",
     "Parsed",
+    "Syntax",
     "after",
     "holds",
     "is_cosafety",

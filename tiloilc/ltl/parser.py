@@ -10,7 +10,7 @@ from tiloilc.diag import CompileError, Diagnostic, SourceText, Span
 from tiloilc.ltl.ast import Formula
 from tiloilc.ltl.lexer import Ambiguity, Lexed, Token, tokenize
 from tiloilc.ltl.precedence import surprises
-from tiloilc.ltl.syntax import Stop, read_syntax
+from tiloilc.ltl.syntax import Stop, Syntax, read_syntax
 
 MAX_LENGTH = 100_000
 """Characters. A longer text is no formula that anyone wrote, or could translate."""
@@ -31,12 +31,14 @@ STRANGE_HELP = {
 
 @dataclass(frozen=True, slots=True)
 class Parsed:
-    """A formula and where its propositions stand in the text.
+    """A formula, how it was read from the text, and where its propositions stand there.
 
     `propositions` are all that were declared, or those that appear, in this order.
     """
 
     formula: Formula
+    text: SourceText
+    syntax: Syntax
     warnings: tuple[Diagnostic, ...]
     occurrences: tuple[tuple[str, Span], ...]
     propositions: tuple[str, ...]
@@ -69,6 +71,8 @@ def parse(text: SourceText | str, propositions: Sequence[str] | None = None) -> 
     seen = tuple(dict.fromkeys(token.name for token in names))
     return Parsed(
         formula=tree.formula,
+        text=text,
+        syntax=tree,
         warnings=_warnings(text, lexed, [*surprises(text, tree)]),
         occurrences=tuple((token.name, text.span(token.start, token.end)) for token in names),
         propositions=seen if propositions is None else tuple(propositions),

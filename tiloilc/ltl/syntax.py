@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -41,7 +41,8 @@ MAX_DEPTH = 200
 class Syntax:
     """A part of the text as it was read: `text[start:end]` means `formula`.
 
-    `rule` names its operator; brackets around it are counted in the stretch and in `bracketed`.
+    `rule` names its operator, `bounds` are those of F[2:5] and the like; brackets around it are
+    counted in the stretch and in `bracketed`.
     """
 
     rule: str
@@ -51,6 +52,13 @@ class Syntax:
     depth: int = 0
     parts: tuple[Syntax, ...] = ()
     bracketed: bool = False
+    bounds: str = ""
+
+    def over(self, operands: Sequence[Formula]) -> Formula:
+        """The operator of this part over other operands."""
+        if self.rule == "bounded":
+            return _bounded(self.bounds, operands[0], 0)[0]
+        return OPERATORS[self.rule](*operands)
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,32 +153,33 @@ def _built(rule: str, children: list[Syntax | lark.Token]) -> Syntax:
             return Syntax("negate", Not(Proposition(name)), start, end, 1)
         return Syntax(rule, leaf[rule], start, end)
     if rule == "bounded":
-        formula, deeper = _bounded(str(children[0]), parts[0])
-        return Syntax(rule, formula, start, end, deeper + parts[0].depth, parts)
+        bounds = str(children[0])
+        formula, depth = _bounded(bounds, parts[0].formula, parts[0].depth)
+        return Syntax(rule, formula, start, end, depth, parts, bounds=bounds)
     formula = OPERATORS[rule](*(part.formula for part in parts))
     return Syntax(rule, formula, start, end, 1 + max(part.depth for part in parts), parts)
 
 
-def _bounded(operator: str, part: Syntax) -> tuple[Formula, int]:
-    """`F[2:4] a` as `X X (a | X (a | X a))`, and how much deeper that is than a.
+def _bounded(operator: str, part: Formula, depth: int) -> tuple[Formula, int]:
+    """`F[2:4] a` as `X X (a | X (a | X a))`, and how deep that is if `part` is `depth` deep.
 
     Bounds beyond the depth limit are not written out: the depth says that there is an error.
     """
     kind, first, *last = operator.split()
     delay, choices = int(first), max(0, int(last[0]) - int(first)) if last else 0
     opened = kind != "NEXT" and not last
-    deeper = delay + 2 * choices + opened
-    formula = part.formula
-    if deeper > MAX_DEPTH:
-        return formula, deeper
+    depth += delay + 2 * choices + opened
+    formula = part
+    if depth > MAX_DEPTH:
+        return formula, depth
     if opened:
         formula = Eventually(formula) if kind == "EVENTUALLY" else Always(formula)
     for _ in range(choices):
-        both = (part.formula, Next(formula))
+        both = (part, Next(formula))
         formula = Or(both) if kind == "EVENTUALLY" else And(both)
     for _ in range(delay):
         formula = Next(formula)
-    return formula, deeper
+    return formula, depth
 
 
 def _start(child: Syntax | lark.Token) -> int:

@@ -4,65 +4,52 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from tiloilc.automaton import accepted_word, guard_text, rejected_word
-from tiloilc.automaton.ldba import Cube, Ldba, StateId
-from tiloilc.ltl import Lasso, is_cosafety, is_safety, nnf, parse, to_text
-from tiloilc.ltl.ast import Formula
+from tiloilc.automaton import accepted_word, rejected_word
+from tiloilc.automaton.language.classes import formula_class
+from tiloilc.automaton.language.compare import irrelevant_propositions
+from tiloilc.automaton.language.shortest import shortest_word
+from tiloilc.automaton.ldba import Ldba
+from tiloilc.ltl import parse, to_text
+from tiloilc.ltl.ast import Formula, Not
+from tiloilc.ltl.words import word_text
 from tiloilc.plan.model import Plan, Stages
-from tiloilc.plan.stages import is_absorbing
+from tiloilc.plan.sentences import in_a_row, stage_lines
+
+__all__ = ["explain", "kind_of", "stage_lines", "word_text"]
 
 
 def explain(plan: Plan) -> str:
     """Several paragraphs about `plan`, ended by a newline."""
-    formula = parse(plan.formula, plan.ldba.propositions).formula
+    formula = parse(plan.formula, plan.ldba.propositions).formula if plan.formula else None
     about = f": {plan.description}" if plan.description else ""
     paragraphs = [
         [f"{plan.name}{about}"],
-        ["Formula", *_indented(_formula_lines(formula, plan.ldba))],
+        ["Formula" if plan.formula else "Automaton", *_indented(_goal_lines(plan, formula))],
         ["Propositions", *_indented(_predicate_lines(plan))],
-        ["Stages", *_indented(stage_lines(plan.ldba, plan.stages))],
+        ["Stages", *_indented(stage_lines(plan.ldba, plan.stages, meant=plan.formula != ""))],
         ["Discriminators", *_indented(_buffer_lines(plan.ldba, plan.stages))],
-        ["Words", *_indented(_word_lines(plan.ldba))],
+        ["Words", *_indented(_word_lines(plan))],
     ]
     return "\n\n".join("\n".join(lines) for lines in paragraphs) + "\n"
 
 
 def kind_of(formula: Formula, ldba: Ldba) -> str:
-    """The class of a formula, as far as its form and its automaton show it."""
-    if is_safety(nnf(formula)):
-        return "safety: nothing bad ever happens"
-    if is_cosafety(nnf(formula)):
-        return "co-safety: something good happens once, after finitely many steps"
-    if ldba.jumps:
-        return "beyond deterministic Büchi automata: the agent takes ε-jumps"
-    return "deterministic Büchi: no ε-jumps"
+    """The class of a formula in the safety–progress hierarchy, and whether the agent must guess."""
+    found = formula_class(formula, ldba)
+    jumps = "; the agent takes ε-jumps" if ldba.jumps else ""
+    return f"{found}: {found.words}{jumps}"
 
 
-def stage_lines(ldba: Ldba, stages: Stages) -> Iterator[str]:
-    """For each live state what is left to do, its place in the order, and where letters lead."""
-    for b in ldba.states:
-        if b == ldba.sink:
-            continue
-        marks = ["start"] if b == ldba.initial else []
-        marks += ["accepting"] if b in ldba.accepting else []
-        place = f"stage {stages.index[b]} of {stages.length[b]}"
-        yield f"{b}: {ldba.names[b]}   ({', '.join([place, *marks])})"
-        for target, guard in _leads(ldba, b):
-            if target != b:
-                where = "violates for ever" if target == ldba.sink else f"leads to {target}"
-                yield f"   {guard} {where}"
-        for target in ldba.jump_targets[b]:
-            for reached, guard in _leads(ldba, target):
-                if reached != ldba.sink:
-                    yield f"   {guard} may lead to {reached}, by an ε-jump"
-    if is_absorbing(ldba):
-        yield "acceptance is absorbing: accepting visits count the steps that it lasts"
-
-
-def _formula_lines(formula: Formula, ldba: Ldba) -> Iterator[str]:
+def _goal_lines(plan: Plan, formula: Formula | None) -> Iterator[str]:
+    if formula is None:
+        yield f"from the file {plan.goal}"
+        return
+    ldba = plan.ldba
     yield to_text(formula)
     yield f"with all brackets: {to_text(formula, brackets=True)}"
     yield f"class: {kind_of(formula, ldba)}"
+    if idle := ", ".join(irrelevant_propositions(formula, ldba.propositions)):
+        yield f"never matters: {idle}"
 
 
 def _predicate_lines(plan: Plan) -> Iterator[str]:
@@ -75,44 +62,28 @@ def _predicate_lines(plan: Plan) -> Iterator[str]:
 def _buffer_lines(ldba: Ldba, stages: Stages) -> Iterator[str]:
     for b in ldba.states:
         if stages.positive[b] or stages.negative[b]:
-            ahead, behind = (_buffers(side, stages) for side in (stages.positive, stages.negative))
-            yield f"f_{b}: segments that got to {ahead[b]}, against those that got to {behind[b]}"
+            ahead = _buffers(stages.positive[b], ldba, stages)
+            behind = _buffers(stages.negative[b], ldba, stages)
+            yield f"f_{b}: segments that got to {ahead}, against those that got to {behind}"
 
 
-def _buffers(side: Sequence[Sequence[int]], stages: Stages) -> list[str]:
-    names = []
-    for row in side:
-        texts = [str(c) if c != stages.sink_buffer else "a violation" for c in row]
-        names.append(" or ".join([", ".join(texts[:-1]), texts[-1]] if texts[1:] else texts))
-    return names
+def _buffers(row: Sequence[int], ldba: Ldba, stages: Stages) -> str:
+    """Stage buffers by the numbers of their states; B_⊥ only where something can be lost."""
+    names = [f"{c}" for c in row if c != stages.sink_buffer]
+    if stages.sink_buffer in row and ldba.sink is not None:
+        names.append("a violation")
+    return in_a_row(names)
 
 
-def _word_lines(ldba: Ldba) -> Iterator[str]:
+def _word_lines(plan: Plan) -> Iterator[str]:
+    """An accepted and a rejected word; shortest ones where there is a formula."""
+    ldba, names = plan.ldba, plan.ldba.propositions
+    formula = parse(plan.formula, names).formula if plan.formula else None
     for kind, word in (("accepted", accepted_word(ldba)), ("rejected", rejected_word(ldba))):
-        yield f"{kind}: {'none' if word is None else word_text(word, ldba.propositions)}"
-
-
-def word_text(word: Lasso, propositions: Sequence[str]) -> str:
-    """An ultimately periodic word: `{a} {} then for ever {b, c} {}`."""
-
-    def letters(part: Sequence[int]) -> str:
-        sets = (
-            ", ".join(name for i, name in enumerate(propositions) if letter >> i & 1)
-            for letter in part
-        )
-        return " ".join(f"{{{names}}}" for names in sets)
-
-    stem = f"{letters(word.stem)} then " if word.stem else ""
-    return f"{stem}for ever {letters(word.loop)}"
-
-
-def _leads(ldba: Ldba, b: StateId) -> Iterator[tuple[StateId, str]]:
-    """Where each guard of `b` leads, each target once."""
-    guards: dict[StateId, list[Cube]] = {}
-    for edge in ldba.outgoing[b]:
-        guards.setdefault(edge.target, []).extend(edge.guard)
-    for target, cubes in guards.items():
-        yield target, guard_text(tuple(sorted(cubes)), ldba.propositions)
+        if word is not None and formula is not None:
+            meant = formula if kind == "accepted" else Not(formula)
+            word = shortest_word(meant, names, word)
+        yield f"{kind}: {'none' if word is None else word_text(word, names)}"
 
 
 def _indented(lines: Iterator[str]) -> Iterator[str]:

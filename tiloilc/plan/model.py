@@ -48,7 +48,8 @@ class Plan:
 
     `digests` are sha256 of what the plan was compiled from: `demos.npz` stands beside the plan, the
     others are named by kind and path relative to `root`, as in `spec:task.yaml`,
-    `python:labels.py`, `demonstrations:mine.npz`. `root` is the folder of the task file, absolute
+    `automaton:mine.hoa`, `python:labels.py`, `demonstrations:mine.npz`. `formula` is empty where
+    the task file names an automaton instead. `root` is the folder of the task file, absolute
     in memory and relative to the plan in a file; it is no part of the plan's own digest. `python:`
     predicates and the modules of own environments are found there.
     """
@@ -68,3 +69,9 @@ class Plan:
     version: str
     schema_version: int = SCHEMA_VERSION
     root: str = ""
+
+    @property
+    def goal(self) -> str:
+        """What is asked for: the formula, or the file of the automaton that stands for it."""
+        files = (key.partition(":")[2] for key in self.digests if key.startswith("automaton:"))
+        return self.formula or next(files, "")

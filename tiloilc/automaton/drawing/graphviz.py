@@ -15,17 +15,22 @@ STANDARD_ERROR = 2
 CHATTER = b"Fontconfig warning:"
 """How lines begin that are about the machine's fonts, which a user takes for an error of ours."""
 
+Format = Literal["svg", "png", "json0"]
+
+Engine = Literal["dot", "nop2"]
+"""`dot` lays out; `nop2` draws what says itself where it stands."""
+
 _one_at_a_time = threading.Lock()
 
 
-def rendered(dot: str, format: Literal["svg", "png"]) -> bytes:
-    """DOT text laid out and drawn by Graphviz. Raises ValueError if it cannot be."""
+def rendered(dot: str, format: Format, engine: Engine = "dot") -> bytes:
+    """DOT text laid out by Graphviz and written as `format`. Raises ValueError if it cannot be."""
     import pygraphviz
 
     graph = pygraphviz.AGraph(string=dot)
     try:
         with _without_chatter():
-            drawn = graph.draw(format=format, prog="dot")
+            drawn = graph.draw(format=format, prog=engine)
     finally:
         graph.close()
     assert isinstance(drawn, bytes)

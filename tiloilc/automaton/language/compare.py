@@ -2,13 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 
 from tiloilc.automaton.language.words import accepted_word
 from tiloilc.automaton.limits import MAX_STATES, TIMEOUT
 from tiloilc.automaton.translate import translate
-from tiloilc.ltl import Lasso
-from tiloilc.ltl.ast import Formula, Not, conjunction
+from tiloilc.diag import CompileError
+from tiloilc.ltl import Lasso, propositions_of, subformulas
+from tiloilc.ltl.ast import (
+    TRUE,
+    And,
+    Binary,
+    Formula,
+    Junction,
+    Not,
+    Proposition,
+    Unary,
+    conjunction,
+    disjunction,
+)
+
+RELEVANCE_NAMES = 40
+RELEVANCE_STATES = 200
+RELEVANCE_SECONDS = 2.0
+"""Beyond these nobody asks which propositions matter."""
 
 
 def satisfying_word(
@@ -42,3 +60,49 @@ def difference_word(
     """
     both = conjunction((left, Not(right)))
     return satisfying_word(both, propositions, max_states=max_states, timeout=timeout)
+
+
+def irrelevant_propositions(formula: Formula, propositions: Sequence[str]) -> Iterator[str]:
+    """The propositions of `formula` on which its language does not depend.
+
+    Ends early where the comparison would take too long.
+    """
+    until = time.monotonic() + RELEVANCE_SECONDS
+    names = propositions_of(formula)
+    for name in names if len(names) <= RELEVANCE_NAMES else ():
+        try:
+            if equivalent(formula, _always_true(formula, name), propositions):
+                yield name
+        except CompileError:
+            return
+        if time.monotonic() > until:
+            return
+
+
+def equivalent(left: Formula, right: Formula, propositions: Sequence[str]) -> bool:
+    """Whether no word tells the two apart, within small limits. Raises CompileError AUT305."""
+    return all(
+        difference_word(
+            one, other, propositions, max_states=RELEVANCE_STATES, timeout=RELEVANCE_SECONDS
+        )
+        is None
+        for one, other in ((left, right), (right, left))
+    )
+
+
+def _always_true(formula: Formula, name: str) -> Formula:
+    """`formula` with `true` for the proposition `name`."""
+    done: dict[Formula, Formula] = {}
+    for node in subformulas(formula):
+        if isinstance(node, Proposition):
+            done[node] = TRUE if node.name == name else node
+        elif isinstance(node, Unary):
+            done[node] = type(node)(done[node.operand])
+        elif isinstance(node, Binary):
+            done[node] = type(node)(done[node.left], done[node.right])
+        elif isinstance(node, Junction):
+            join = conjunction if isinstance(node, And) else disjunction
+            done[node] = join(done[operand] for operand in node.operands)
+        else:
+            done[node] = node
+    return done[formula]

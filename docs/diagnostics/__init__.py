@@ -1,0 +1,1 @@
+"""One page a diagnostic code, data of the package: `tiloilc explain CODE` prints it."""

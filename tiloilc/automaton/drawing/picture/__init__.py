@@ -1,0 +1,1 @@
+"""One picture, as shapes: laid out, composed, and written as SVG and PNG."""
