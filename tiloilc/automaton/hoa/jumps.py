@@ -17,7 +17,7 @@ from itertools import permutations
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
 from tiloilc.automaton.draft import Draft, Row, components, keep, reachable
 from tiloilc.automaton.hoa.general import Limited
-from tiloilc.automaton.reduction.reduce import Inclusion
+from tiloilc.automaton.reduction.inclusion import Inclusion
 
 Letters = dict[int, Node]
 """Letters by target; they may overlap."""

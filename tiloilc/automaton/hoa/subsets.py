@@ -13,7 +13,7 @@ from functools import partial
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
 from tiloilc.automaton.draft import Draft, Row
 from tiloilc.automaton.hoa.general import Limited
-from tiloilc.automaton.reduction.reduce import MAX_PAIRS, Inclusion
+from tiloilc.automaton.reduction.inclusion import MAX_PAIRS, Inclusion
 
 Members = tuple[int, ...]
 """States of the file's automaton, ascending."""
