@@ -19,11 +19,16 @@ def meaning(code: str) -> str:
     return " ".join(page(code).split("\n\n")[1].split())
 
 
+def shown(markdown: str) -> str:
+    """A page without what only its test reads."""
+    return _HIDDEN.sub("", markdown)
+
+
 def readable(markdown: str) -> str:
     """A page for the terminal: without marks, what stood in fences indented."""
 
     def indented(fence: re.Match[str]) -> str:
         return "\n".join(f"    {line}".rstrip() for line in fence[1].splitlines())
 
-    text = _FENCED.sub(indented, _HIDDEN.sub("", markdown))
+    text = _FENCED.sub(indented, shown(markdown))
     return re.sub(r"^#+ ", "", text, flags=re.MULTILINE)

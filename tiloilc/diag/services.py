@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from urllib.parse import quote
 
 from tiloilc.diag.core import Diagnostic, Severity, Span
-from tiloilc.diag.pages import meaning
+from tiloilc.diag.pages import meaning, page, readable, shown
 from tiloilc.diag.registry import RULES
 from tiloilc.diag.text import one_line
 
@@ -28,6 +28,7 @@ def render_sarif(diagnostics: Sequence[Diagnostic]) -> str:
             "id": code,
             "name": RULES[code].name,
             "fullDescription": {"text": meaning(code)},
+            "help": {"text": readable(page(code)), "markdown": shown(page(code))},
             "defaultConfiguration": {"level": str(RULES[code].severity)},
         }
         for code in codes
