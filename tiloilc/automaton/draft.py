@@ -5,7 +5,7 @@ A missing letter leads to the sink. Every pass is a function Draft → Draft.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from tiloilc.automaton.bdd import Node
@@ -16,12 +16,17 @@ Row = dict[tuple[int, bool], Node]
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """States 0, 1, 2, …; `jumps[q]` are the targets of the ε-jumps of q. `names` go along."""
+    """States 0, 1, 2, …; `jumps[q]` are the targets of the ε-jumps of q. `names` go along.
+
+    `steps[q]` is the step of a written chain, `G F (a & X F b)`, that q stands for, if any; states
+    of different steps stay apart although their languages agree. Empty: the order is free.
+    """
 
     rows: tuple[Row, ...]
     jumps: tuple[tuple[int, ...], ...]
     initial: int
     names: tuple[Callable[[], str], ...]
+    steps: tuple[Hashable, ...] = ()
 
     def targets(self, state: int) -> list[int]:
         """Where edges and jumps of `state` lead, each once."""
@@ -114,4 +119,5 @@ def keep(draft: Draft, kept: set[int]) -> Draft:
         jumps=tuple(tuple(new[t] for t in draft.jumps[q] if t in kept) for q in new),
         initial=new[draft.initial],
         names=tuple(draft.names[q] for q in new),
+        steps=tuple(draft.steps[q] for q in new if draft.steps),
     )

@@ -27,12 +27,23 @@ class Budget:
         self.timeout = timeout
         self._deadline = time.monotonic() + timeout
         self._ticks = 0
+        self._max_ticks: int | None = None
 
-    def share(self, max_states: int) -> Budget:
-        """A budget for a second attempt: fewer states, the same end of time."""
+    def share(self, max_states: int, max_ticks: int) -> Budget:
+        """A budget for a second attempt: fewer states, so many ticks, the same end of time."""
         part = Budget(min(max_states, self.max_states), self.timeout)
         part._deadline = self._deadline
+        part._max_ticks = max_ticks
         return part
+
+    def release(self) -> None:
+        """Allow as many ticks as time permits: the attempt has succeeded."""
+        self._max_ticks = None
+
+    @property
+    def ticks(self) -> int:
+        """Rounds of loops so far: the work done, as the same number on every machine."""
+        return self._ticks
 
     @property
     def is_late(self) -> bool:
@@ -42,6 +53,8 @@ class Budget:
     def tick(self) -> None:
         """Count one round of a loop. Raises CompileError AUT305 when the time is spent."""
         self._ticks += 1
+        if self._ticks == self._max_ticks:
+            raise too_large("it takes more work than was allowed")
         if self._ticks % CLOCK_EVERY == 0 and self.is_late:
             raise too_large(f"not done after {self.timeout:g} s")
 

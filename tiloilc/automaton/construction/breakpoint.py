@@ -34,8 +34,9 @@ class Serving(NamedTuple):
 class Breakpoints:
     """The deterministic part: where the states of the recurrence class lead."""
 
-    def __init__(self, unfolding: Unfolding) -> None:
+    def __init__(self, unfolding: Unfolding, free: bool = False) -> None:
         self.unfolding = unfolding
+        self._free = free
         self.terms = unfolding.terms
         self._splits: dict[tuple[Node, ...], Split] = {}
         self._sources: dict[Node, list[tuple[int, Node]]] = {}
@@ -57,7 +58,7 @@ class Breakpoints:
             goal = terms.goal(unfolding.term(variable))
             if goal is None or diagrams.assign(rest, {variable: False}) != FALSE:
                 continue
-            found.append(goal)
+            found.extend(terms.parts_of_goal(goal) if self._free else [goal])
             waiting = diagrams.support(unfolding.later(terms.make("F", goal)))
             rest = diagrams.assign(rest, dict.fromkeys({variable, *waiting}, True))
         return rest, tuple(dict.fromkeys(found))
@@ -75,7 +76,11 @@ class Breakpoints:
         return done
 
     def _drop_implied(self, rest: Node) -> Node:
-        unfolding, diagrams, implies = self.unfolding, self.unfolding.diagrams, self.unfolding.implications.implies
+        unfolding, diagrams, implies = (
+            self.unfolding,
+            self.unfolding.diagrams,
+            self.unfolding.implications.implies,
+        )
         terms = {v: unfolding.term(v) for v in sorted(diagrams.support(rest))}
         pure = [v for v, t in terms.items() if self._is_pure(t)]
         for v, term in terms.items():
@@ -90,7 +95,9 @@ class Breakpoints:
             if stronger:
                 with_v = diagrams.assign(rest, {v: True})
                 without = diagrams.assign(rest, {v: False, **dict.fromkeys(stronger, False)})
-                if diagrams.implies(diagrams.assign(with_v, dict.fromkeys(stronger, False)), without):
+                if diagrams.implies(
+                    diagrams.assign(with_v, dict.fromkeys(stronger, False)), without
+                ):
                     rest = with_v
         return rest
 
@@ -103,6 +110,12 @@ class Breakpoints:
         for source, promise in self._promises(left):
             return Serving(rest, goals, -source, promise)
         return Serving(rest, goals, 1, self._waiting(goals[0]) if goals else TRUE)
+
+    def resume(self, rest: Node, goals: Goals) -> Serving:
+        """As `start`, for what must hold from now on as it unfolds."""
+        if self.is_safety(rest):
+            return Serving(rest, goals, 1, self._waiting(goals[0]) if goals else TRUE)
+        return Serving(rest, goals, 0, self.unfolding.rewrite(rest, self._promise))
 
     def _promises(self, left: Node) -> list[tuple[int, Node]]:
         """What the sources in `left` have promised: each by its number, as it unfolds."""
@@ -223,6 +236,13 @@ class Breakpoints:
                     found = self.unfolding.diagrams.disj(found, guard)
             self._met[goal] = found
         return found
+
+    def step(self, state: Serving) -> tuple[Term, Node] | None:
+        """The goal whose turn it is and what is left of it, if it takes several steps."""
+        if state.turn <= 0 or not state.goals or self._free:
+            return None
+        goal = state.goals[state.turn - 1]
+        return (goal, state.promise) if self.terms.has_least[goal] else None
 
     def pending(self, state: Serving) -> Node | None:
         """What the turn waits for, unless the state's ξ and goals already say it."""

@@ -18,8 +18,8 @@ class Guess(ABC):
     What is not chosen yet counts as in, which makes every result as weak as it can become.
     `regenerated` are the sub-formulas of what is left over that stand below a ν-operator, and so
     may be left over again and again. Any other promise is kept or broken after finitely many
-    letters, so that a jump can wait for it: at a jump µ-formulas among the others count as false,
-    p W q and q R p as G p.
+    letters, so that a jump can wait for it: left over at a jump, a µ-formula among the others counts
+    as false, p W q and q R p as G p.
     """
 
     def __init__(
@@ -109,7 +109,5 @@ def regenerated_by(terms: Terms, roots: Sequence[Term]) -> frozenset[Term]:
         name = terms.operator[term]
         if is_below:
             below.add(term)
-        elif name in LEAST and not terms.is_lasting(term):
-            continue
         work.extend((t, is_below or name in GREATEST) for t in terms.operands[term])
     return frozenset(below)

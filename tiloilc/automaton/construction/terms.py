@@ -290,6 +290,22 @@ class Terms:
             return None
         return self.operands[inner][0]
 
+    def parts_of_goal(self, goal: Term) -> list[Term]:
+        """Goals that are met again and again just if `goal` is: GF(a & XF b) is GF a & GF b."""
+        conjuncts = self.operands[goal] if self.operator[goal] == "and" else (goal,)
+        later = []
+        for term in conjuncts:
+            inner = term
+            while self.operator[inner] == "X":
+                inner = self.operands[inner][0]
+            if self.operator[inner] == "F":
+                later.append((term, self.operands[inner][0]))
+        now = self.both([t for t in conjuncts if t not in dict(later)])
+        return [
+            *([] if now == YES else [now]),
+            *(part for _, goal in later for part in self.parts_of_goal(goal)),
+        ]
+
     def formula(self, term: Term) -> Formula:
         """The formula of `term`."""
         name, operands = self.operator[term], self.operands[term]

@@ -111,15 +111,22 @@ class Unfolding:
 
     def rewrite(self, state: Node, rule: Callable[[Term], Term]) -> Node:
         """`state` with every "X t" replaced by X `rule(t)`."""
+        return self.put(state, lambda term: self.later(rule(term)))
+
+    def put(self, state: Node, value: Callable[[Term], Node]) -> Node:
+        """`state` with every "X t" replaced by the diagram `value(t)`."""
         memo: dict[Node, Node] = {}
         below = self.letters
 
         def walk(f: Node) -> Node:
             variable, low, high = self.diagrams.parts(f)
             if f <= TRUE or variable >= below:
-                return self.diagrams.substitute(f, lambda v: self.later(rule(self.term(v))), memo)
+                return self.diagrams.substitute(f, lambda v: value(self.term(v)), memo)
             if f not in memo:
-                memo[f] = self.diagrams.node(variable, walk(low), walk(high))
+                letter = self.diagrams.literal(variable)
+                if_true = self.diagrams.conj(letter, walk(high))
+                if_false = self.diagrams.conj(self.diagrams.negate(letter), walk(low))
+                memo[f] = self.diagrams.disj(if_true, if_false)
             return memo[f]
 
         return walk(state)

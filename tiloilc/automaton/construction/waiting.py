@@ -7,7 +7,7 @@ as what is left is of the recurrence class.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from typing import NamedTuple
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Node
@@ -30,16 +30,14 @@ State = Waiting | Serving
 class Construction:
     """All states of the automaton of one formula, with the guesses of `kind`.
 
-    `eager`: the deterministic part takes over at the recurrence class, so that no jump is needed
-    there; otherwise only at co-safety, safety and goals, which may take fewer states.
+    `free`: the goals of a chain need not come in the order in which they are written.
     """
 
-    def __init__(self, unfolding: Unfolding, kind: type[Guess], eager: bool = True) -> None:
+    def __init__(self, unfolding: Unfolding, kind: type[Guess], free: bool = False) -> None:
         self.unfolding = unfolding
         self.terms = unfolding.terms
-        self.breakpoints = Breakpoints(unfolding)
+        self.breakpoints = Breakpoints(unfolding, free)
         self._kind = kind
-        self._ends_waiting = self._in_class if eager else self._simple
 
     def initial(self, formula: Term) -> State | None:
         """The first state; None if the formula is false by propositional reasoning."""
@@ -50,7 +48,7 @@ class Construction:
         unfolded = self.unfolding.step(left)
         if unfolded == FALSE:
             return None
-        if self._ends_waiting(unfolded):
+        if self._in_class(unfolded):
             return self.breakpoints.start(left, goals)
         return Waiting(self.unfolding.step_suspended(left), goals)
 
@@ -58,12 +56,9 @@ class Construction:
         """Whether `state` is of the recurrence class."""
         return all(self.terms.recurrence[t] for t in self.unfolding.left_over(state))
 
-    def _simple(self, state: Node) -> bool:
-        """Whether `state` is made of co-safety and safety formulas."""
-        terms = self.terms
-        return not any(
-            terms.has_least[t] and terms.has_greatest[t] for t in self.unfolding.left_over(state)
-        )
+    def step(self, state: State) -> Hashable:
+        """The step of a written chain that `state` stands for, if any."""
+        return self.breakpoints.step(state) if isinstance(state, Serving) else None
 
     def successors(self, state: State) -> list[tuple[State, bool, Node]]:
         """The edges of `state`: target, whether it accepts, letters."""
@@ -86,49 +81,66 @@ class Construction:
     def _checking(self, state: Waiting, guess: Guess) -> list[Serving]:
         """The states that check `guess` from now on, of which one must be chosen."""
         goals = guess.again()
-        left = self._remainder(state.rest, guess)
-        if left == FALSE or NO in goals:
+        rest = self._remainder(state.rest, guess)
+        if rest == FALSE or NO in goals:
             return []
         wanted = [goal for goal in goals if goal != YES]
         together = tuple(dict.fromkeys([*state.goals, *wanted]))
-        return [
-            self.breakpoints.start(*self.breakpoints.settle(part, together))
-            for part in self._alternatives(left)
+        lasting, mixed = self._alternatives(rest, guess.regenerated)
+        targets = [
+            self.breakpoints.start(*self.breakpoints.settle(left, together)) for left in lasting
         ]
+        return targets if mixed == FALSE else [*targets, self.breakpoints.resume(mixed, together)]
 
     def _remainder(self, rest: Node, guess: Guess) -> Node:
-        """What must hold from now on if `guess` is right."""
-        folded = self.unfolding.folded(rest)
-        assert folded is not None
-        left = self.unfolding.rewrite(folded, guess.now)
+        """What must hold from now on if `guess` is right; what was suspended is so no more."""
+        unfolding, terms = self.unfolding, self.terms
+
+        def value(term: Term) -> Node:
+            now = guess.now(term)
+            return unfolding.unfold(now) if terms.suspendable(term) else unfolding.later(now)
+
+        left = unfolding.put(rest, value)
         for term in guess.always():
-            kept = self.unfolding.later(self.terms.make("G", term))
-            left = self.unfolding.diagrams.conj(left, kept)
+            left = unfolding.diagrams.conj(left, unfolding.unfold(terms.make("G", term)))
         return left
 
-    def _alternatives(self, left: Node) -> list[Node]:
-        """`left` as alternatives that a jump may choose from: one of `G a | G b` each.
+    def _alternatives(self, rest: Node, regenerated: frozenset[Term]) -> tuple[list[Node], Node]:
+        """`rest` as alternatives that a jump may choose from: one of `G a | G b` each.
 
-        An alternative stands alone where formulas that, once true, stay true say it whole: which
-        of them become true is settled in the long run, so that nobody has to guess what chance
-        decides later. One that will be said so after the next letters is left to later jumps.
+        An alternative stands alone, as what is left from now on, where formulas that, once true,
+        stay true say it whole: which of them become true is settled in the long run, so that nobody
+        has to guess what chance decides later. One that will be said so after the next letters is
+        left to later jumps. All others are one, unfolded.
         """
         unfolding, diagrams = self.unfolding, self.unfolding.diagrams
+        lower = [v for v in sorted(diagrams.support(rest)) if v >= unfolding.letters]
+        cubes = {tuple(v for v, _ in cube if v >= unfolding.letters) for cube in diagrams.cover(rest)}
         parts: dict[Node, None] = {}
         mixed = FALSE
-        for cube in sorted(diagrams.cover(left)):
-            terms = self._given_literals([unfolding.term(v) for v, _ in cube])
-            part = TRUE
-            for term in terms:
-                part = diagrams.conj(part, unfolding.later(term))
-            passing = [v for v in diagrams.support(part) if not self.terms.universal[unfolding.term(v)]]
-            if part == FALSE:
+        for cube in sorted(cubes):
+            said = [unfolding.term(v) for v in cube]
+            terms = self._given_literals(said)
+            if NO in terms:
                 continue
-            if not passing:
-                parts[part] = None
-            elif not all(map(self._is_bounded, passing)):
-                mixed = diagrams.disj(mixed, part)
-        return [*parts] if mixed == FALSE else [*parts, mixed]
+            lasting = self._later([t for t in said if self.terms.universal[t]])
+            left = self._later([t for t in terms if self.terms.universal[t]])
+            passing = [t for t in terms if not self.terms.universal[t]]
+            letters = diagrams.assign(rest, {v: v in cube for v in lower})
+            if diagrams.implies(unfolding.step(lasting), rest) or (
+                not passing and diagrams.implies(unfolding.step(left), letters)
+            ):
+                parts[left] = None
+            elif any(t in regenerated or not self._is_bounded(t) for t in passing):
+                mixed = diagrams.disj(mixed, diagrams.conj(letters, self._later(terms)))
+        return [*parts], mixed
+
+    def _later(self, terms: Sequence[Term]) -> Node:
+        """X of the conjunction of `terms`."""
+        result = TRUE
+        for term in terms:
+            result = self.unfolding.diagrams.conj(result, self.unfolding.later(term))
+        return result
 
     def _given_literals(self, cube: Sequence[Term]) -> list[Term]:
         """The terms of a conjunction where those G p with a literal p are known."""
@@ -141,21 +153,16 @@ class Construction:
                 known.update((t, None) for t in parts if terms.operator[t][0] in "+-")
         if not known:
             return list(cube)
-        return [
-            *(terms.make("G", t) for t in known),
-            *(terms.given(t, list(known)) for t in cube),
-        ]
+        found = [*(terms.make("G", t) for t in known), *(terms.given(t, list(known)) for t in cube)]
+        return [t for t in dict.fromkeys(found) if t != YES]
 
-    def _is_bounded(self, variable: int) -> bool:
-        """Whether a bounded number of letters settles the term of `variable`."""
-        term = self.unfolding.term(variable)
+    def _is_bounded(self, term: Term) -> bool:
+        """Whether a bounded number of letters settles `term`."""
         return not (self.terms.has_least[term] or self.terms.has_greatest[term])
 
     def _guesses(self, rest: Node) -> Iterator[Guess]:
         """All complete guesses for `rest`, each made only as far as it matters."""
-        folded = self.unfolding.folded(rest)
-        assert folded is not None
-        roots = self.unfolding.left_over(folded)
+        roots = self.unfolding.left_over(rest)
         regenerated = regenerated_by(self.terms, roots)
         open_guesses: list[dict[Term, bool]] = [{}]
         while open_guesses:

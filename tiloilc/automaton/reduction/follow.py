@@ -40,7 +40,9 @@ def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
     _, looping = on_cycles(draft)
     for q in sorted(waiting):
         if looping[q]:
-            more = [t for t in ahead if looping[t] and t not in jumps[q] and following.follows(q, t)]
+            more = [
+                t for t in ahead if looping[t] and t not in jumps[q] and following.follows(q, t)
+            ]
             jumps[q] = sorted([*jumps[q], *more])
     candidates = [(q, t) for q, row in enumerate(jumps) for t in row]
     for q, target in sorted(candidates, key=lambda jump: (-size[jump[1]], -rank[jump[1]], jump)):
@@ -125,7 +127,9 @@ class _Following:
                 good = {
                     n
                     for n in piece
-                    if any(self._accepts_inside(graph, piece, n, u) for u in self._jumps[pairs[n][0]])
+                    if any(
+                        self._accepts_inside(graph, piece, n, u) for u in self._jumps[pairs[n][0]]
+                    )
                 }
                 if not good:
                     return False
@@ -167,7 +171,10 @@ class _Following:
 def _marked_pieces(graph: list[list[_Edge]], kept: set[int]) -> list[set[int]]:
     """The strongly connected pieces of `graph` on the nodes `kept` with a marked edge inside."""
     component = components(
-        [[e.target for e in edges if e.target in kept] if n in kept else [] for n, edges in enumerate(graph)]
+        [
+            [e.target for e in edges if e.target in kept] if n in kept else []
+            for n, edges in enumerate(graph)
+        ]
     )
     marked = {
         component[n]

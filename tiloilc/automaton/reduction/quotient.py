@@ -39,6 +39,7 @@ def quotient(draft: Draft, diagrams: Diagrams) -> Draft:
         ),
         initial=block[draft.initial],
         names=tuple(draft.names[q] for q in first.values()),
+        steps=tuple(draft.steps[q] for q in first.values() if draft.steps),
     )
 
 

@@ -27,7 +27,13 @@ def merge_by_trial(draft: Draft, diagrams: Diagrams) -> Draft:
     fixed = [q for q in range(len(draft.rows)) if q not in waiting]
     if len(fixed) > MAX_STATES:
         return draft
-    pairs = [(p, q) for p in fixed for q in fixed if p != q and component[p] == component[q]]
+    step = draft.steps or (None,) * len(draft.rows)
+    pairs = [
+        (p, q)
+        for p in fixed
+        for q in fixed
+        if p != q and component[p] == component[q] and step[p] == step[q]
+    ]
     if not pairs:
         return draft
     inclusion = Inclusion(draft, diagrams, pairs)
