@@ -44,13 +44,15 @@ class AsymmetricGuess(Guess):
 
     def _keep(self, term: Term, below: bool) -> Term:
         terms = self.terms
-        if below and terms.recurrence[term]:
+        if below and terms.recurrence[term] and term not in self.chosen:
             return term
         key = (term, below)
         if key not in self._kept:
             name, operands = terms.operator[term], terms.operands[term]
             lasting = None if below else self.lasting_part(term)
-            if not below and terms.is_lasting(term):
+            if name in GREATEST and term in self.chosen:
+                result = self.strengthen(term)
+            elif not below and terms.is_lasting(term):
                 result = self._keep(operands[0], below)
             elif lasting is not None:
                 result = terms.make("G", self._keep(lasting, below=True))
