@@ -44,7 +44,7 @@ class AsymmetricGuess(Guess):
 
     def _keep(self, term: Term, below: bool) -> Term:
         terms = self.terms
-        if below and terms.recurrence[term] and term not in self.chosen:
+        if below and not terms.has_greatest[term]:
             return term
         key = (term, below)
         if key not in self._kept:
