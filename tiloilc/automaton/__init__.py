@@ -4,6 +4,7 @@ from tiloilc.automaton.drawing.dot import to_dot
 from tiloilc.automaton.drawing.draw import to_png, to_svg
 from tiloilc.automaton.drawing.graphviz import rendered
 from tiloilc.automaton.drawing.mermaid import to_mermaid
+from tiloilc.automaton.drawing.page import to_html
 from tiloilc.automaton.guards import guard_text
 from tiloilc.automaton.hoa.read import from_hoa, read_hoa
 from tiloilc.automaton.hoa.write import to_hoa
@@ -35,6 +36,7 @@ __all__ = [
     "satisfying_word",
     "to_dot",
     "to_hoa",
+    "to_html",
     "to_mermaid",
     "to_png",
     "to_svg",
