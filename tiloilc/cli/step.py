@@ -217,9 +217,13 @@ class _Session:
             say(f"propositions: {names}. `help` says what can be written.", self.quiet)
         self.where()
         print(self.table.head())
-        for line in self._lines():
-            if not self.obey(line):
-                break
+        try:
+            for line in self._lines():
+                if not self.obey(line):
+                    break
+        except KeyboardInterrupt:
+            if self.talks:
+                sys.stderr.write("\n")
         return self.fine or self.talks
 
     def _lines(self) -> Iterator[str]:
@@ -230,8 +234,6 @@ class _Session:
                 sys.stderr.flush()
             try:
                 line = self.source.readline()
-            except KeyboardInterrupt:
-                line = ""
             except UnicodeDecodeError as error:
                 raise fail(f"standard input is not UTF-8 text (byte {error.start})") from None
             if not line:
@@ -317,13 +319,11 @@ class _Session:
             return options[0]
         for i, state in enumerate(options):
             how = "by an ε-jump" if i else "without a jump"
-            say(f"  to {state} {how}: from then on {names[state]}")
+            then = f": from then on {names[state]}" if self.known.meant else ""
+            say(f"  to {state} {how}{then}")
         sys.stderr.write(f"which? [{'/'.join(map(str, options))}] ")
         sys.stderr.flush()
-        try:
-            answer = self.source.readline().strip()
-        except KeyboardInterrupt:
-            answer = "none"
+        answer = self.source.readline().strip()
         if answer == "":
             return options[0]
         if answer.isdecimal() and int(answer) in options:
@@ -353,5 +353,5 @@ class _Session:
         width = max(len(guard) for guard, _ in rows)
         for guard, leads in rows:
             say(f"  {guard:<{width}}  {leads}")
-        for line in decision_lines(teller, trace.state):
+        for line in decision_lines(teller, trace.state, self.known.meant):
             say(f"  {line}")
