@@ -16,16 +16,19 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from types import ModuleType
 from unittest.mock import patch
 
 from tests.automaton.hoa_reader import Hoa, read_hoa
 from tests.strategies import random_formula, random_lasso
-from tiloilc.automaton import Acceptance, Ldba, accepts, to_hoa, translate
+from tiloilc.automaton import Acceptance, Ldba, accepts, from_hoa, to_hoa, translate
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
 from tiloilc.automaton.draft import Draft
 from tiloilc.automaton.finish import draft_of, with_edge_acceptance
 from tiloilc.automaton.limits import Budget
+from tiloilc.diag import CompileError
 from tiloilc.ltl import Lasso, after, holds, negation, nnf, parse, simplify, to_text, unfold
 from tiloilc.ltl.ast import Formula, Not
 
@@ -33,6 +36,7 @@ NAMES = ("a", "b", "c", "d")
 MAX_SIZE = 16
 
 translating = importlib.import_module("tiloilc.automaton.translate")
+importing = importlib.import_module("tiloilc.automaton.hoa.read")
 reducing = importlib.import_module("tiloilc.automaton.reduction.reduce")
 rewriting = importlib.import_module("tiloilc.ltl.rewrite.driver")
 """The modules whose functions are watched."""
@@ -255,36 +259,13 @@ class Check:
     def _automata(self, acceptance: Acceptance) -> None:
         """Every draft that is built on the way, the automaton, and what is written of it."""
         words = self.words
-        last: list[object] = []
-
-        def look(name: str, draft: Draft, diagrams: Diagrams) -> Draft:
-            shape = (draft.rows, draft.jumps, draft.initial)
-            if last != [shape]:
-                last[:] = [shape]
-                self._judge(name, list(map(of_draft(draft, diagrams, words).accepts, words.lassos)))
-            return draft
-
-        def watched(step: Pass) -> Pass:
-            name = f"pass {step.__name__}"
-            return lambda draft, diagrams: look(name, step(draft, diagrams), diagrams)
-
-        def reduce(draft: Draft, diagrams: Diagrams) -> Draft:
-            return original(look("construction", draft, diagrams), diagrams)
-
-        original: Pass = translating.reduce
-        with (
-            patch.object(reducing, "PASSES", tuple(map(watched, reducing.PASSES))),
-            patch.object(translating, "reduce", reduce),
-        ):
+        with self._watched(translating, "construction"):
             ldba = translate(self.formula, words.names, acceptance=acceptance)
-        self._ldba(acceptance, ldba)
-
-    def _ldba(self, acceptance: Acceptance, ldba: Ldba) -> None:
-        words = self.words
+        text = to_hoa(ldba)
         diagrams = Diagrams(Budget())
         machines = {
             f"automaton, {acceptance}": of_ldba(ldba, words),
-            f"HOA, {acceptance}": of_hoa(read_hoa(to_hoa(ldba)), words),
+            f"HOA, {acceptance}": of_hoa(read_hoa(text), words),
             f"HOA without sink, {acceptance}": of_hoa(
                 read_hoa(to_hoa(ldba, complete=False)), words
             ),
@@ -295,6 +276,38 @@ class Check:
         for name, found in machines.items():
             self._judge(name, list(map(found.accepts, words.lassos)))
         self._judge(f"accepts, {acceptance}", [accepts(ldba, lasso) for lasso in words.lassos])
+        try:
+            with self._watched(importing, "HOA as read"):
+                again = from_hoa(text, words.names, acceptance=acceptance)
+        except CompileError:
+            self.wrong.append(f"HOA in, {acceptance}")
+        else:
+            found = of_ldba(again, words)
+            self._judge(f"HOA in, {acceptance}", list(map(found.accepts, words.lassos)))
+
+    @contextmanager
+    def _watched(self, module: ModuleType, first: str) -> Iterator[None]:
+        """Look at every draft that `module` has reduced: as it comes, and after each pass."""
+        last: list[object] = []
+
+        def look(name: str, draft: Draft, diagrams: Diagrams) -> Draft:
+            shape = (diagrams, draft.rows, draft.jumps, draft.initial)
+            if last != [shape]:
+                last[:] = [shape]
+                found = of_draft(draft, diagrams, self.words)
+                self._judge(name, list(map(found.accepts, self.words.lassos)))
+            return draft
+
+        def watched(step: Pass) -> Pass:
+            name = f"pass {step.__name__}"
+            return lambda draft, diagrams: look(name, step(draft, diagrams), diagrams)
+
+        original: Pass = module.reduce
+        with (
+            patch.object(reducing, "PASSES", tuple(map(watched, reducing.PASSES))),
+            patch.object(module, "reduce", lambda d, dd: original(look(first, d, dd), dd)),
+        ):
+            yield
 
 
 def random_check(seed: int, number: int, words: int, max_size: int = MAX_SIZE) -> Check:

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 from tests.properties.models import Mdp, best_probability, random_mdp
 from tests.strategies import random_formula
-from tiloilc.automaton import Ldba, translate
+from tiloilc.automaton import Ldba, from_hoa, to_hoa, translate
 from tiloilc.ltl import parse, subformulas, to_text
 from tiloilc.ltl.ast import (
     Always,
@@ -67,6 +67,7 @@ Translation = Callable[[Formula, Sequence[str]], Ldba]
 TRANSLATIONS: dict[str, Translation] = {
     "states": lambda formula, names: translate(formula, names),
     "edges": lambda formula, names: translate(formula, names, acceptance="edge"),
+    "written and read": lambda formula, names: from_hoa(to_hoa(translate(formula, names)), names),
 }
 """Every way to an automaton that is compared with Storm."""
 
