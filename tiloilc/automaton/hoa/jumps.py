@@ -17,7 +17,7 @@ from itertools import permutations
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
 from tiloilc.automaton.draft import Draft, Row, components, keep, reachable
 from tiloilc.automaton.hoa.general import Limited
-from tiloilc.automaton.reduction.reduce import Inclusion
+from tiloilc.automaton.reduction.reduce import MAX_PAIRS, Inclusion
 
 Letters = dict[int, Node]
 """Letters by target; they may overlap."""
@@ -67,13 +67,14 @@ class _Postponed:
         self.waits = waits
         self.leaves = leaves
         self.diagrams = diagrams
-        pairs = dict.fromkeys(self._asked())
+        self.few = True
         fixed = Draft(limited.fixed, ((),) * self.count, 0, ())
-        self.inclusion = Inclusion(fixed, diagrams, list(pairs))
+        self.inclusion = Inclusion(fixed, diagrams, self._asked())
 
     def all(self) -> bool:
         """Also true where it would take too long to find out."""
-        return not self.inclusion.complete or (self._choices() and self._later())
+        known = self.few and self.inclusion.complete
+        return not known or (self._choices() and self._later())
 
     def _first(self) -> Iterator[tuple[int, int]]:
         """Free states with the fixed ones that could have been gone to instead."""
@@ -89,22 +90,27 @@ class _Postponed:
             self.diagrams.budget.tick()
             yield target, mark, guard
 
-    def _asked(self) -> Iterator[tuple[int, int]]:
-        """All pairs of fixed states whose languages may have to be compared."""
-        yield from self._rivals()
+    def _asked(self) -> list[tuple[int, int]]:
+        """All pairs of fixed states whose languages may have to be compared, unless too many."""
+        pairs = dict.fromkeys(self._rivals())
         work = list(dict.fromkeys(self._first()))
         seen = set(work)
         while work:
+            if len(pairs) + len(seen) > MAX_PAIRS:
+                self.few = False
+                return []
             state, missed = work.pop()
+            self.diagrams.budget.tick()
             for target, _, guard in self._steps(missed):
                 for other, letters in self.leaves[state].items():
                     if self.diagrams.conj(letters, guard) != FALSE:
-                        yield target, other
+                        pairs[target, other] = None
                 for other, letters in self.waits[state].items():
                     pair = (other - self.count, target)
                     if pair not in seen and self.diagrams.conj(letters, guard) != FALSE:
                         seen.add(pair)
                         work.append(pair)
+        return list(pairs)
 
     def _choices(self) -> bool:
         """Where one cannot wait, one of the possibilities must be as good as all others."""
@@ -250,8 +256,11 @@ class _Jumps:
         fitting = [
             t
             for t, row in enumerate(self.by_origin)
-            if row and all(diagrams.implies(guard, ways.get(n, FALSE)) for n, guard in row.items())
+            if row
+            and row.keys() <= ways.keys()
+            and all(diagrams.implies(guard, ways.get(n, FALSE)) for n, guard in row.items())
         ]
+        diagrams.budget.tick()
         chosen: list[int] = []
         while True:
             needed = self._needed(self._uncovered(leave, chosen), now)
