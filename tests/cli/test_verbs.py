@@ -104,6 +104,15 @@ def test_viz_writes_what_the_suffix_says(
     assert len(data) > 100
 
 
+@pytest.mark.parametrize("name", ["flatworld_cycle", "flatworld_stabilization"])
+def test_the_pictures_in_the_documents_are_those_of_viz(
+    run: Run, root: Path, tmp_path: Path, name: str
+) -> None:
+    assert run("viz", root / "specs" / f"{name}.yaml", "-o", tmp_path / "x.svg")[0] == 0
+    shown = (root / "docs" / "automata" / f"{name}.svg").read_bytes()
+    assert (tmp_path / "x.svg").read_bytes() == shown
+
+
 def test_viz_prints_dot_and_takes_build_folders(run: Run, tmp_path: Path) -> None:
     run("compile", spec(tmp_path), "-o", tmp_path / "out")
     from_plan = run("viz", tmp_path / "out")
