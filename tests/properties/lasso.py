@@ -22,8 +22,9 @@ from types import ModuleType
 from unittest.mock import patch
 
 from tests.automaton.hoa_reader import Hoa, read_hoa
+from tests.properties.variants import Translation, variants
 from tests.strategies import random_formula, random_lasso
-from tiloilc.automaton import Acceptance, Ldba, accepts, from_hoa, to_hoa, translate
+from tiloilc.automaton import Acceptance, Ldba, accepts, from_hoa, to_hoa
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
 from tiloilc.automaton.draft import Draft
 from tiloilc.automaton.finish import draft_of, with_edge_acceptance
@@ -210,8 +211,8 @@ class Check:
         self.truth = self.words.truth(self.formula)
         self._formulas()
         self._rules()
-        self._automata("state")
-        self._automata("edge")
+        for name, run in variants().items():
+            self._automata(name, run)
         return self.wrong
 
     def _judge(self, name: str, found: list[bool], expected: list[bool] | None = None) -> None:
@@ -256,34 +257,32 @@ class Check:
             self._judge(f"rule {name}", self.words.truth(changed), expected)
         self._judge("simplify", self.words.truth(simple))
 
-    def _automata(self, acceptance: Acceptance) -> None:
+    def _automata(self, variant: str, run: Translation) -> None:
         """Every draft that is built on the way, the automaton, and what is written of it."""
         words = self.words
         with self._watched(translating, "construction"):
-            ldba = translate(self.formula, words.names, acceptance=acceptance)
+            ldba = run(self.formula, words.names)
         text = to_hoa(ldba)
         diagrams = Diagrams(Budget())
         machines = {
-            f"automaton, {acceptance}": of_ldba(ldba, words),
-            f"HOA, {acceptance}": of_hoa(read_hoa(text), words),
-            f"HOA without sink, {acceptance}": of_hoa(
-                read_hoa(to_hoa(ldba, complete=False)), words
-            ),
-            f"draft again, {acceptance}": of_draft(draft_of(ldba, diagrams), diagrams, words),
+            "automaton": of_ldba(ldba, words),
+            "HOA": of_hoa(read_hoa(text), words),
+            "HOA without sink": of_hoa(read_hoa(to_hoa(ldba, complete=False)), words),
+            "draft again": of_draft(draft_of(ldba, diagrams), diagrams, words),
+            "marked edges again": of_ldba(with_edge_acceptance(ldba), words),
         }
-        if acceptance == "state":
-            machines["marked edges again"] = of_ldba(with_edge_acceptance(ldba), words)
         for name, found in machines.items():
-            self._judge(name, list(map(found.accepts, words.lassos)))
-        self._judge(f"accepts, {acceptance}", [accepts(ldba, lasso) for lasso in words.lassos])
+            self._judge(f"{name}, {variant}", list(map(found.accepts, words.lassos)))
+        self._judge(f"accepts, {variant}", [accepts(ldba, lasso) for lasso in words.lassos])
+        acceptance: Acceptance = "edge" if ldba.accepting_edges else "state"
         try:
             with self._watched(importing, "HOA as read"):
                 again = from_hoa(text, words.names, acceptance=acceptance)
         except CompileError:
-            self.wrong.append(f"HOA in, {acceptance}")
+            self.wrong.append(f"HOA in, {variant}")
         else:
             found = of_ldba(again, words)
-            self._judge(f"HOA in, {acceptance}", list(map(found.accepts, words.lassos)))
+            self._judge(f"HOA in, {variant}", list(map(found.accepts, words.lassos)))
 
     @contextmanager
     def _watched(self, module: ModuleType, first: str) -> Iterator[None]:

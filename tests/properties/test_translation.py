@@ -184,4 +184,4 @@ def test_the_oracle_notices_a_wrong_pass_and_names_it(
     first = [names[0] for names in found if names]
     named = [name for name in first if name.endswith(wrong.__name__)]
     assert len(named) > 3
-    assert set(first) - set(named) <= {"HOA in, state"}, "on no word, but it is no LDBA any more"
+    assert set(first) - set(named) <= {"HOA in, default"}, "on no word, but it is no LDBA any more"
