@@ -75,20 +75,17 @@ class Machine:
         now = 1 << self.initial
         for letter in lasso.stem:
             now = self._after(now, letter)
-        rounds = [self._round(q, lasso.loop) for q in range(len(self.steps[lasso.loop[0]]))]
-        reach = [plain | 1 << q for q, (plain, _) in enumerate(rounds)]
-        for middle in range(len(reach)):
-            for q in range(len(reach)):
+        rounds: dict[int, tuple[int, int]] = {}
+        while now:
+            q = now.bit_length() - 1
+            rounds[q] = self._round(q, lasso.loop)
+            now = (now | rounds[q][0]) & ~sum(1 << known for known in rounds)
+        reach = {q: plain | 1 << q for q, (plain, _) in rounds.items()}
+        for middle in reach:
+            for q in reach:
                 if reach[q] >> middle & 1:
                     reach[q] |= reach[middle]
-        home = [0] * len(reach)
-        for q, targets in enumerate(reach):
-            for target in _bits(targets):
-                home[target] |= 1 << q
-        found = 0
-        for q in _bits(now):
-            found |= reach[q]
-        return any(rounds[q][1] & home[q] for q in _bits(found))
+        return any(reach[t] >> q & 1 for q, (_, marked) in rounds.items() for t in _bits(marked))
 
     def _after(self, states: int, letter: int) -> int:
         reached = 0
