@@ -342,3 +342,25 @@ def test_the_job_of_a_build_trains_its_plan(
     done = subprocess.run(job, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / done.stdout.strip() / "plan.json").is_file()
+
+
+def test_pictures_pages_and_explanations_are_the_same_under_any_hash_seed(
+    root: Path, tmp_path: Path
+) -> None:
+    task = str(root / "specs" / "flatworld_stabilization.yaml")
+    outputs = set()
+    for seed in ("1", "2"):
+        program = (
+            "import sys; from tiloilc.cli import main\n"
+            "try: main(sys.argv[1:])\nexcept SystemExit as end: assert not end.code"
+        )
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(root)}
+        written = [tmp_path / f"x{seed}{suffix}" for suffix in (".svg", ".html", ".mmd", ".dot")]
+        told = b""
+        for arguments in (["explain", task], *(["viz", task, "-o", str(file)] for file in written)):
+            command = [sys.executable, "-c", program, *arguments]
+            told += subprocess.run(
+                command, env=environment, capture_output=True, check=True, timeout=120
+            ).stdout
+        outputs.add(told + b"".join(file.read_bytes() for file in written))
+    assert len(outputs) == 1
