@@ -69,8 +69,8 @@ BINARY_KINDS = frozenset(
 
 _SPACE = re.compile(r"(?:\s+|/\*.*?\*/)+", re.DOTALL)
 _WORD = re.compile(r"[\w.]+")
-_QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
-_SINGLE_QUOTED = re.compile(r"'((?:[^'\\]|\\.)*)'", re.DOTALL)
+QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
+SINGLE_QUOTED = re.compile(r"'((?:[^'\\]|\\.)*)'", re.DOTALL)
 _TWO_WORDS = re.compile(r"(weak)\s+until\b|(strong)\s+release\b")
 _SYMBOL = re.compile("|".join(re.escape(s) for s in sorted(SYMBOL_KINDS, key=len, reverse=True)))
 _BOUNDS = re.compile(
@@ -129,9 +129,9 @@ def tokenize(text: str, declared: Iterable[str] | None) -> Lexed:
         elif word := _WORD.match(text, at):
             words.read(word.group(), at, lexed, _formula_follows(text, word.end()))
             at = _with_bounds(text, word.end(), lexed.tokens)
-        elif quoted := _QUOTED.match(text, at) or _single_quoted(text, at, lexed.tokens):
+        elif quoted := QUOTED.match(text, at) or _single_quoted(text, at, lexed.tokens):
             name = re.sub(r"\\(.)", r"\1", quoted[1], flags=re.DOTALL)
-            if name:
+            if name and name.isprintable():
                 lexed.tokens.append(Token("NAME", at, quoted.end(), name))
             else:
                 lexed.strange.append((at, quoted.end()))
@@ -178,7 +178,7 @@ def _with_bounds(text: str, at: int, tokens: list[Token]) -> int:
 def _single_quoted(text: str, at: int, tokens: list[Token]) -> re.Match[str] | None:
     """A proposition in single quotes, as Owl reads it; not where `a'` is meant."""
     ends = tokens and tokens[-1].kind in OPERAND_ENDS and tokens[-1].end == at
-    return None if ends else _SINGLE_QUOTED.match(text, at)
+    return None if ends else SINGLE_QUOTED.match(text, at)
 
 
 def keyword(word: str) -> str | None:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from tiloilc.diag import Diagnostic, SourceText
-from tiloilc.ltl.lexer import Lexed, Token
+from tiloilc.ltl.lexer import QUOTED, SINGLE_QUOTED, Lexed, Token
 
 COMPARISON = "comparisons belong into the definition of a proposition"
 EQUALITY = "equality of truth values is `<->`"
@@ -59,9 +59,11 @@ def strange_findings(text: SourceText, lexed: Lexed) -> Iterator[Diagnostic]:
 def _finding(text: SourceText, start: int, end: int, before: Token | None) -> Diagnostic:
     stretch = text.value[start:end]
     span = text.span(start, end)
-    if stretch in ('""', "''"):
-        problem = "expected a name between the quotes"
-        return Diagnostic.of("LTL201", span, problem=problem, label="empty")
+    if QUOTED.fullmatch(stretch) or SINGLE_QUOTED.fullmatch(stretch):
+        problem, label = "expected a name between the quotes", "empty"
+        if len(stretch) > 2:
+            problem, label = "expected a name that can be printed", "has other characters"
+        return Diagnostic.of("LTL201", span, problem=problem, label=label)
     if stretch.startswith(('"', "/*")):
         closing = '"' if stretch[0] == '"' else "*/"
         return Diagnostic.of(
