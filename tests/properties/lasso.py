@@ -332,8 +332,9 @@ def main() -> int:
         check = random_check(given.seed, number, given.words, given.max_size)
         if check.everything():
             failed += 1
-            text = f"formula {number}: {to_text(check.formula)}: {', '.join(check.wrong)}\n"
-            sys.stdout.write(text)
+            first = f"{check.wrong[0]}, and {len(check.wrong) - 1} after it"
+            sys.stdout.write(f"formula {number}: {to_text(check.formula)}: {first}\n")
+            sys.stdout.flush()
         seen += check.seen
         true += sum(check.truth)
         if number % 500 == 499:
