@@ -334,3 +334,16 @@ def test_a_free_part_that_explodes_ends_in_a_limit() -> None:
     lines += ["State: 20", "[1] 21", "State: 21 {0}", "[t] 21"]
     found = fault(buchi("\n".join(lines)))
     assert found.code == "AUT305"
+
+
+def test_letters_left_out_are_in_the_order_of_the_format() -> None:
+    text = body("State: 0 {0}\n1 0 1 1\nState: 1 {0}\n1 1 1 0", "Acceptance: 1 Inf(0)\n")
+    ldba = from_hoa(text, ("b", "a"))
+    assert ldba.run([ldba.letter(["a"]), ldba.letter(["b"]), ldba.letter("ab")]) == [0, 1, 0]
+
+
+def test_many_beginnings_into_one_part_are_one_jump_each() -> None:
+    starts = " ".join(f"Start: {i}" for i in range(30))
+    states = "\n".join(f"State: {i} {{0}}\n[{'!' * (i % 2)}0] {i}" for i in range(30))
+    ldba = from_hoa(f'HOA: v1 {starts} AP: 1 "a" Acceptance: 1 Inf(0) --BODY-- {states} --END--')
+    assert same(ldba, "G a | G !a")

@@ -19,7 +19,7 @@ LARGEST = 2**31 - 1
 Kind = Literal["string", "section", "header", "word", "alias", "int", "sign", "end"]
 
 _TOKEN = re.compile(
-    r'(?P<string>"(?:\\.|[^"\\])*")'
+    r'(?P<string>"(?:[^"\\]++|\\.)*+")'
     r"|(?P<section>--(?:BODY|END|ABORT)--)"
     r"|(?P<header>[a-zA-Z_][0-9a-zA-Z_-]*:)"
     r"|(?P<word>[a-zA-Z_][0-9a-zA-Z_-]*)"
