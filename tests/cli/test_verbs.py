@@ -85,7 +85,14 @@ def test_compile_of_a_faulty_file_writes_nothing(
 
 @pytest.mark.parametrize(
     ("name", "begins"),
-    [("x.svg", b"<?xml"), ("x.png", b"\x89PNG"), ("x.dot", b"digraph"), ("x.mmd", b"")],
+    [
+        ("x.svg", b"<?xml"),
+        ("x.PNG", b"\x89PNG"),
+        ("x.html", b"<!DOCTYPE html>"),
+        ("x.dot", b"digraph"),
+        ("x.gv", b"digraph"),
+        ("x.mmd", b"---\ntitle"),
+    ],
 )
 def test_viz_writes_what_the_suffix_says(
     run: Run, tmp_path: Path, name: str, begins: bytes
@@ -97,6 +104,15 @@ def test_viz_writes_what_the_suffix_says(
     assert len(data) > 100
 
 
+@pytest.mark.parametrize("name", ["flatworld_cycle", "flatworld_stabilization"])
+def test_the_pictures_in_the_documents_are_those_of_viz(
+    run: Run, root: Path, tmp_path: Path, name: str
+) -> None:
+    assert run("viz", root / "specs" / f"{name}.yaml", "-o", tmp_path / "x.svg")[0] == 0
+    shown = (root / "docs" / "automata" / f"{name}.svg").read_bytes()
+    assert (tmp_path / "x.svg").read_bytes() == shown
+
+
 def test_viz_prints_dot_and_takes_build_folders(run: Run, tmp_path: Path) -> None:
     run("compile", spec(tmp_path), "-o", tmp_path / "out")
     from_plan = run("viz", tmp_path / "out")
@@ -106,15 +122,38 @@ def test_viz_prints_dot_and_takes_build_folders(run: Run, tmp_path: Path) -> Non
 
 
 def test_viz_of_an_unknown_suffix_is_a_usage_error(run: Run, tmp_path: Path) -> None:
-    status, _, err = run("viz", spec(tmp_path), "-o", tmp_path / "x.bmp")
-    assert status == 2
-    assert ".svg" in err
+    for name, told in (("x.bmp", "`.bmp`"), ("picture", "`picture`, which has no suffix,")):
+        status, out, err = run("viz", spec(tmp_path), "-o", tmp_path / name)
+        assert (status, out) == (2, "")
+        problem = f"{told} is no format of pictures"
+        assert err.startswith(f"error[AUT310]: cannot draw the automaton: {problem}\n")
+        assert "use one of .svg, .png, .html" in err
+        assert not (tmp_path / name).exists()
+
+
+def test_viz_draws_formulas_and_automata_from_files(run: Run, tmp_path: Path) -> None:
+    status, dot, _ = run("viz", "G F a & G !z")
+    assert status == 0
+    (tmp_path / "own.hoa").write_text(run("translate", "G F a & G !z")[1], encoding="utf-8")
+    status, own, _ = run("viz", tmp_path / "own.hoa")
+    assert status == 0
+    assert own.count("peripheries=2") == dot.count("peripheries=2") == 1
+    assert run("viz", tmp_path / "none.hoa")[0] == 2
+    assert run("viz", "G F (a & ")[0] == 1
+
+
+def test_viz_of_what_is_too_large_to_be_seen_is_a_finding(run: Run, tmp_path: Path) -> None:
+    text = " & ".join(f"G F a{i}" for i in range(24))
+    status, out, err = run("viz", text, "-o", tmp_path / "x.svg")
+    assert (status, out) == (1, "")
+    assert "error[AUT310]: cannot draw the automaton: it has 25 states and" in err
+    assert run("viz", text, "-o", tmp_path / "x.html")[0] == 0
 
 
 def test_explain_speaks_of_tasks_and_of_codes(run: Run, tmp_path: Path) -> None:
     status, out, _ = run("explain", spec(tmp_path))
     assert status == 0
-    assert "stage 0 of 1, start" in out
+    assert "stage 0 of 1: state 0, start" in out
     for code in RULES:
         status, out, _ = run("explain", code.lower())
         assert status == 0
@@ -303,3 +342,25 @@ def test_the_job_of_a_build_trains_its_plan(
     done = subprocess.run(job, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / done.stdout.strip() / "plan.json").is_file()
+
+
+def test_pictures_pages_and_explanations_are_the_same_under_any_hash_seed(
+    root: Path, tmp_path: Path
+) -> None:
+    task = str(root / "specs" / "flatworld_stabilization.yaml")
+    outputs = set()
+    for seed in ("1", "2"):
+        program = (
+            "import sys; from tiloilc.cli import main\n"
+            "try: main(sys.argv[1:])\nexcept SystemExit as end: assert not end.code"
+        )
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(root)}
+        written = [tmp_path / f"x{seed}{suffix}" for suffix in (".svg", ".html", ".mmd", ".dot")]
+        told = b""
+        for arguments in (["explain", task], *(["viz", task, "-o", str(file)] for file in written)):
+            command = [sys.executable, "-c", program, *arguments]
+            told += subprocess.run(
+                command, env=environment, capture_output=True, check=True, timeout=120
+            ).stdout
+        outputs.add(told + b"".join(file.read_bytes() for file in written))
+    assert len(outputs) == 1

@@ -15,7 +15,7 @@ from tests.e2e.conftest import Run
 from tests.e2e.test_readme import blocks
 from tests.e2e.test_readme import run as run_block
 
-EXAMPLES = ("own_environment", "own_demonstrations")
+EXAMPLES = ("own_environment", "own_demonstrations", "imported_automaton")
 
 
 @pytest.fixture
@@ -100,3 +100,22 @@ def test_the_point_learns_to_settle(copied: Path, tiloilc: Run) -> None:
     greedy = evaluation(copied)["greedy"]
     assert np.mean(greedy["accepting_visits"]) >= 40
     assert np.mean(greedy["violation_rate"]) <= 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("copied", ["imported_automaton"], indirect=True)
+def test_the_patrol_makes_its_rounds(copied: Path, tiloilc: Run) -> None:
+    tiloilc("run", "patrol.yaml", cwd=copied)
+    greedy = evaluation(copied)["greedy"]
+    assert min(greedy["accepting_visits"]) >= 1
+    assert max(greedy["violation_rate"]) == 0
+
+
+@pytest.mark.parametrize("copied", ["imported_automaton"], indirect=True)
+def test_a_plan_is_stale_when_its_automaton_was_changed(copied: Path, tiloilc: Run) -> None:
+    tiloilc("compile", "patrol.yaml", cwd=copied)
+    with (copied / "patrol.hoa").open("a", encoding="utf-8") as file:
+        file.write("/* changed */\n")
+    told = tiloilc("train", "build/patrol", cwd=copied, status=1)
+    assert "error[PLAN401]: `patrol.hoa` changed after the plan was compiled" in told.stderr
+    assert not (copied / "runs").exists()

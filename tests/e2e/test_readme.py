@@ -30,7 +30,12 @@ from tests.e2e.conftest import Run
 COPIED = ("specs", "examples", "results", "tasks", "README.md", "pyproject.toml")
 """What of the checkout the commands find in their folder."""
 
-PAGES = ("README.md", "examples/own_environment/README.md", "examples/own_demonstrations/README.md")
+PAGES = (
+    "README.md",
+    "examples/own_environment/README.md",
+    "examples/own_demonstrations/README.md",
+    "examples/imported_automaton/README.md",
+)
 """Pages with commands; those of the examples are run by test_examples.py."""
 
 BLOCK = re.compile(

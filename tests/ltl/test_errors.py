@@ -79,7 +79,7 @@ def test_a_syntax_error_names_what_was_expected_and_marks_it(
     ("text", "help"),
     [
         ("a == b", "equality of truth values is `<->`"),
-        ("F[2] a", "bounds follow X, F or G: `X[3]`, `F[2:5]`, `G[2:]`"),
+        ("F[2] a", "F takes two bounds: `F[0:2]` or `F[2:]`"),
         ("a - b", "implication is `->`, negation is `!`"),
         ("dist < 3", "comparisons belong into the definition of a proposition"),
         ("a and or b", '`or` is an operator; a proposition of this name is written `"or"`'),

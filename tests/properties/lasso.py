@@ -16,16 +16,20 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from types import ModuleType
 from unittest.mock import patch
 
 from tests.automaton.hoa_reader import Hoa, read_hoa
+from tests.properties.variants import Translation, variants
 from tests.strategies import random_formula, random_lasso
-from tiloilc.automaton import Acceptance, Ldba, accepts, to_hoa, translate
+from tiloilc.automaton import Acceptance, Ldba, accepts, from_hoa, to_hoa
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
 from tiloilc.automaton.draft import Draft
 from tiloilc.automaton.finish import draft_of, with_edge_acceptance
 from tiloilc.automaton.limits import Budget
+from tiloilc.diag import CompileError
 from tiloilc.ltl import Lasso, after, holds, negation, nnf, parse, simplify, to_text, unfold
 from tiloilc.ltl.ast import Formula, Not
 
@@ -33,6 +37,7 @@ NAMES = ("a", "b", "c", "d")
 MAX_SIZE = 16
 
 translating = importlib.import_module("tiloilc.automaton.translate")
+importing = importlib.import_module("tiloilc.automaton.hoa.read")
 reducing = importlib.import_module("tiloilc.automaton.reduction.reduce")
 rewriting = importlib.import_module("tiloilc.ltl.rewrite.driver")
 """The modules whose functions are watched."""
@@ -70,20 +75,17 @@ class Machine:
         now = 1 << self.initial
         for letter in lasso.stem:
             now = self._after(now, letter)
-        rounds = [self._round(q, lasso.loop) for q in range(len(self.steps[lasso.loop[0]]))]
-        reach = [plain | 1 << q for q, (plain, _) in enumerate(rounds)]
-        for middle in range(len(reach)):
-            for q in range(len(reach)):
+        rounds: dict[int, tuple[int, int]] = {}
+        while now:
+            q = now.bit_length() - 1
+            rounds[q] = self._round(q, lasso.loop)
+            now = (now | rounds[q][0]) & ~sum(1 << known for known in rounds)
+        reach = {q: plain | 1 << q for q, (plain, _) in rounds.items()}
+        for middle in reach:
+            for q in reach:
                 if reach[q] >> middle & 1:
                     reach[q] |= reach[middle]
-        home = [0] * len(reach)
-        for q, targets in enumerate(reach):
-            for target in _bits(targets):
-                home[target] |= 1 << q
-        found = 0
-        for q in _bits(now):
-            found |= reach[q]
-        return any(rounds[q][1] & home[q] for q in _bits(found))
+        return any(reach[t] >> q & 1 for q, (_, marked) in rounds.items() for t in _bits(marked))
 
     def _after(self, states: int, letter: int) -> int:
         reached = 0
@@ -206,8 +208,8 @@ class Check:
         self.truth = self.words.truth(self.formula)
         self._formulas()
         self._rules()
-        self._automata("state")
-        self._automata("edge")
+        for name, run in variants().items():
+            self._automata(name, run)
         return self.wrong
 
     def _judge(self, name: str, found: list[bool], expected: list[bool] | None = None) -> None:
@@ -252,49 +254,56 @@ class Check:
             self._judge(f"rule {name}", self.words.truth(changed), expected)
         self._judge("simplify", self.words.truth(simple))
 
-    def _automata(self, acceptance: Acceptance) -> None:
+    def _automata(self, variant: str, run: Translation) -> None:
         """Every draft that is built on the way, the automaton, and what is written of it."""
         words = self.words
+        with self._watched(translating, "construction"):
+            ldba = run(self.formula, words.names)
+        text = to_hoa(ldba)
+        diagrams = Diagrams(Budget())
+        machines = {
+            "automaton": of_ldba(ldba, words),
+            "HOA": of_hoa(read_hoa(text), words),
+            "HOA without sink": of_hoa(read_hoa(to_hoa(ldba, complete=False)), words),
+            "draft again": of_draft(draft_of(ldba, diagrams), diagrams, words),
+            "marked edges again": of_ldba(with_edge_acceptance(ldba), words),
+        }
+        for name, found in machines.items():
+            self._judge(f"{name}, {variant}", list(map(found.accepts, words.lassos)))
+        self._judge(f"accepts, {variant}", [accepts(ldba, lasso) for lasso in words.lassos])
+        acceptance: Acceptance = "edge" if ldba.accepting_edges else "state"
+        try:
+            with self._watched(importing, "HOA as read"):
+                again = from_hoa(text, words.names, acceptance=acceptance)
+        except CompileError:
+            self.wrong.append(f"HOA in, {variant}")
+        else:
+            found = of_ldba(again, words)
+            self._judge(f"HOA in, {variant}", list(map(found.accepts, words.lassos)))
+
+    @contextmanager
+    def _watched(self, module: ModuleType, first: str) -> Iterator[None]:
+        """Look at every draft that `module` has reduced: as it comes, and after each pass."""
         last: list[object] = []
 
         def look(name: str, draft: Draft, diagrams: Diagrams) -> Draft:
-            shape = (draft.rows, draft.jumps, draft.initial)
+            shape = (diagrams, draft.rows, draft.jumps, draft.initial)
             if last != [shape]:
                 last[:] = [shape]
-                self._judge(name, list(map(of_draft(draft, diagrams, words).accepts, words.lassos)))
+                found = of_draft(draft, diagrams, self.words)
+                self._judge(name, list(map(found.accepts, self.words.lassos)))
             return draft
 
         def watched(step: Pass) -> Pass:
             name = f"pass {step.__name__}"
             return lambda draft, diagrams: look(name, step(draft, diagrams), diagrams)
 
-        def reduce(draft: Draft, diagrams: Diagrams) -> Draft:
-            return original(look("construction", draft, diagrams), diagrams)
-
-        original: Pass = translating.reduce
+        original: Pass = module.reduce
         with (
             patch.object(reducing, "PASSES", tuple(map(watched, reducing.PASSES))),
-            patch.object(translating, "reduce", reduce),
+            patch.object(module, "reduce", lambda d, dd: original(look(first, d, dd), dd)),
         ):
-            ldba = translate(self.formula, words.names, acceptance=acceptance)
-        self._ldba(acceptance, ldba)
-
-    def _ldba(self, acceptance: Acceptance, ldba: Ldba) -> None:
-        words = self.words
-        diagrams = Diagrams(Budget())
-        machines = {
-            f"automaton, {acceptance}": of_ldba(ldba, words),
-            f"HOA, {acceptance}": of_hoa(read_hoa(to_hoa(ldba)), words),
-            f"HOA without sink, {acceptance}": of_hoa(
-                read_hoa(to_hoa(ldba, complete=False)), words
-            ),
-            f"draft again, {acceptance}": of_draft(draft_of(ldba, diagrams), diagrams, words),
-        }
-        if acceptance == "state":
-            machines["marked edges again"] = of_ldba(with_edge_acceptance(ldba), words)
-        for name, found in machines.items():
-            self._judge(name, list(map(found.accepts, words.lassos)))
-        self._judge(f"accepts, {acceptance}", [accepts(ldba, lasso) for lasso in words.lassos])
+            yield
 
 
 def random_check(seed: int, number: int, words: int, max_size: int = MAX_SIZE) -> Check:
@@ -323,8 +332,9 @@ def main() -> int:
         check = random_check(given.seed, number, given.words, given.max_size)
         if check.everything():
             failed += 1
-            text = f"formula {number}: {to_text(check.formula)}: {', '.join(check.wrong)}\n"
-            sys.stdout.write(text)
+            first = f"{check.wrong[0]}, and {len(check.wrong) - 1} after it"
+            sys.stdout.write(f"formula {number}: {to_text(check.formula)}: {first}\n")
+            sys.stdout.flush()
         seen += check.seen
         true += sum(check.truth)
         if number % 500 == 499:

@@ -13,15 +13,16 @@ import argparse
 import random
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import count
 from typing import TYPE_CHECKING
 
 from tests.properties.models import Mdp, best_probability, random_mdp
+from tests.properties.variants import Translation, variants
 from tests.strategies import random_formula
-from tiloilc.automaton import Ldba, translate
+from tiloilc.automaton import from_hoa, to_hoa, translate
 from tiloilc.ltl import parse, subformulas, to_text
 from tiloilc.ltl.ast import (
     Always,
@@ -62,11 +63,9 @@ PATTERNS = (
 )
 """Shapes that need jumps: few random formulas do."""
 
-Translation = Callable[[Formula, Sequence[str]], Ldba]
-
 TRANSLATIONS: dict[str, Translation] = {
-    "states": lambda formula, names: translate(formula, names),
-    "edges": lambda formula, names: translate(formula, names, acceptance="edge"),
+    **variants(),
+    "written and read": lambda formula, names: from_hoa(to_hoa(translate(formula, names)), names),
 }
 """Every way to an automaton that is compared with Storm."""
 

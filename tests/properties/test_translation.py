@@ -31,7 +31,7 @@ WORDS_PER_FORMULA = 10
 EXAMPLES = 20_000
 """Pairs of a formula and a word, each looked at after every pass; by hand ten times as many."""
 
-PARTS = 8
+PARTS = 10
 """Tests among which they are divided, a few seconds each."""
 
 
@@ -181,6 +181,7 @@ def test_the_oracle_notices_a_wrong_pass_and_names_it(
 ) -> None:
     with patch.object(module, passes, (*getattr(module, passes), wrong)):
         found = [random_check(3, number, 10).everything() for number in range(150)]
-    first = [names[0].partition(" ")[2] for names in found if names]
-    assert first.count(wrong.__name__) > 3
-    assert set(first) == {wrong.__name__}
+    first = [names[0] for names in found if names]
+    named = [name for name in first if name.endswith(wrong.__name__)]
+    assert len(named) > 3
+    assert set(first) - set(named) <= {"HOA in, default"}, "on no word, but it is no LDBA any more"

@@ -4,8 +4,9 @@ from tiloilc.automaton.drawing.dot import to_dot
 from tiloilc.automaton.drawing.draw import to_png, to_svg
 from tiloilc.automaton.drawing.graphviz import rendered
 from tiloilc.automaton.drawing.mermaid import to_mermaid
+from tiloilc.automaton.drawing.page import to_html
 from tiloilc.automaton.guards import guard_text
-from tiloilc.automaton.hoa.read import from_hoa, read_hoa
+from tiloilc.automaton.hoa.read import from_hoa, load_hoa, read_hoa
 from tiloilc.automaton.hoa.write import to_hoa
 from tiloilc.automaton.language.compare import difference_word, satisfying_word
 from tiloilc.automaton.language.complement import rejected_word
@@ -29,12 +30,14 @@ __all__ = [
     "from_hoa",
     "guard_text",
     "is_empty",
+    "load_hoa",
     "read_hoa",
     "rejected_word",
     "rendered",
     "satisfying_word",
     "to_dot",
     "to_hoa",
+    "to_html",
     "to_mermaid",
     "to_png",
     "to_svg",

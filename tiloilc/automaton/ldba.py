@@ -40,9 +40,9 @@ class Ldba:
     `sink` is the one state from which no accepting cycle can be reached (it loops on every letter),
     None if there is none. `jumps` are pairs (from, to): while reading a letter in `from` the agent
     may take the edge of `to` instead. States are numbered from 0 in breadth-first order, letters
-    in the order of `propositions`, the sink last; the initial state is 0. `names[b]` says what is
-    left to do in b. With edge-based acceptance `accepting` is empty and `accepting_edges` are
-    places in `edges`.
+    in the order of `propositions`, those of a HOA file in the file's order; the initial state is 0,
+    the sink the last one. `names[b]` says what is left to do in b, or what a file calls it. With
+    edge-based acceptance `accepting` is empty and `accepting_edges` are places in `edges`.
     """
 
     propositions: tuple[str, ...]

@@ -33,6 +33,7 @@ VERBS = {
     "explain": "explain",
     "translate": "translate",
     "check": "check",
+    "step": "step",
     "bench": "bench",
     "schema": "schema",
     "doctor": "doctor",

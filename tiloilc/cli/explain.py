@@ -16,16 +16,22 @@ from tiloilc.diag.pages import page, readable
 
 def command(
     subject: Annotated[
-        str, typer.Argument(metavar="SPEC|PLAN|CODE", help="A file, or a code as LTL203.")
+        str, typer.Argument(metavar="SPEC|PLAN|HOA|CODE", help="A file, or a code as LTL203.")
     ],
 ) -> None:
-    """Explain a task or a diagnostic code in words.
+    """Explain a task, an automaton or a diagnostic code in words.
 
     Of a task: the formula with all its brackets, its class, each stage and what leads on, an
     accepted and a rejected word, and what each discriminator tells apart.
     """
     path = Path(subject)
-    if path.exists():
+    if path.suffix.lower() == ".hoa" and path.is_file():
+        from tiloilc.cli.subjects import subject_of
+        from tiloilc.plan.explain import explain_automaton
+
+        known = subject_of(subject)
+        sys.stdout.write(explain_automaton(known.title, known.ldba, known.stages))
+    elif path.exists():
         from tiloilc.cli.tasks import plan_of
         from tiloilc.plan.explain import explain
 

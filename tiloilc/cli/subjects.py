@@ -22,13 +22,17 @@ FILES = (".yaml", ".yml", ".json", ".hoa")
 
 @dataclass(frozen=True)
 class Subject:
-    """An automaton with what is known about it. `title` is its formula, or its name."""
+    """An automaton with what is known about it. `title` is its formula, or its name.
+
+    `meant` says that the name of a state is the formula of what is left to do.
+    """
 
     title: str
     ldba: Ldba
     stages: Stages | None
     plan: Plan | None = None
     demos: DemoSet | None = None
+    meant: bool = True
 
 
 def subject_of(text: str, propositions: str | None = None) -> Subject:
@@ -65,7 +69,7 @@ def _of_task(path: Path) -> Subject:
     else:
         result = compile_spec(path)
         plan, demos = result.plan, result.demos
-    return Subject(plan.goal, plan.ldba, plan.stages, plan, demos)
+    return Subject(plan.goal, plan.ldba, plan.stages, plan, demos, meant=plan.formula != "")
 
 
 def _of_hoa(path: Path) -> Subject:
@@ -78,7 +82,7 @@ def _of_hoa(path: Path) -> Subject:
             f"cannot read `{path.as_posix()}`: not UTF-8 text (byte {error.start})"
         ) from None
     found = read_hoa(text, file=path.as_posix())
-    return Subject(found.name or path.stem, found.ldba, stages_of(found.ldba))
+    return Subject(found.name or path.stem, found.ldba, stages_of(found.ldba), meant=False)
 
 
 def _of_formula(text: str, propositions: str | None) -> Subject:

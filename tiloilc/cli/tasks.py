@@ -21,7 +21,7 @@ def plan_of(path: Path) -> Plan:
     if path.is_dir() and not plan_file(path).is_file():
         raise fail(f"no plan in `{path.as_posix()}`; compile a task file first")
     if path.suffix == ".hoa":
-        raise fail("an automaton alone cannot be read yet; give a task file or a plan")
+        raise fail("an automaton alone is no task; give a task file or a plan")
     if path.is_dir() or path.suffix == ".json":
         return read_plan(path)
     return compile_spec(path).plan

@@ -45,11 +45,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def recorded(file: SpecFile, count: int, seed: int) -> DemoSet:
-    """Demonstrations of a task file's environment by the expert that fits its formula.
+    """Demonstrations of a task file's environment by the expert that fits its automaton.
 
     Raises CompileError as the stages it calls do.
     """
-    from tiloilc.automaton.translate import translate
+    from tiloilc.automaton import load_hoa, translate
     from tiloilc.label import compile_predicates
     from tiloilc.ltl import parse
 
@@ -67,7 +67,10 @@ def recorded(file: SpecFile, count: int, seed: int) -> DemoSet:
             python[name] = (file.path.parent / predicate.python).as_posix()
             texts[name] = file.value_text("propositions", name, "python")
     labels = compile_predicates(texts, fields, python)
-    ldba = translate(parse(file.value_text("formula"), names).formula, names)
+    if spec.automaton is not None:
+        ldba = load_hoa(file.path.parent / spec.automaton, names, span=file.span("automaton")).ldba
+    else:
+        ldba = translate(parse(file.value_text("formula"), names).formula, names)
     return record_best(spec.environment, labels, ldba, name=spec.name, count=count, seed=seed)
 
 

@@ -118,6 +118,7 @@ RULES: dict[str, Rule] = _rules(
         "proposition `{name}` is declared but the automaton never reads it",
     ),
     Rule("AUT309", W, "accepts-everything", "the automaton accepts every behaviour"),
+    Rule("AUT310", E, "no-picture", "cannot draw the automaton: {problem}"),
     # Stages
     Rule("PLAN401", E, "stale-plan", "`{path}` {change} after the plan was compiled"),
     Rule("PLAN402", E, "no-accepting-state", "no accepting state can be reached"),

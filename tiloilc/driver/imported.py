@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
-from tiloilc.automaton import from_hoa, is_empty, rejected_word
+from tiloilc.automaton import is_empty, load_hoa, rejected_word
 from tiloilc.automaton.ldba import Ldba
-from tiloilc.diag import CompileError, Diagnostic, Span
+from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.spec import Document
 
 UNIVERSAL_STATES = 2_000
@@ -20,21 +19,9 @@ def imported(document: Document) -> Ldba:
 
     Raises CompileError SPEC105 if the file cannot be read, and AUT302 to AUT307.
     """
-    name = document.value_text("automaton").value
-    path = document.path.parent / name
-    text = automaton_text(path, document.span("automaton"), name)
-    return from_hoa(text, document.keys("propositions") or None, file=path.as_posix())
-
-
-def automaton_text(path: Path, span: Span | None = None, name: str = "") -> str:
-    """The text of the HOA file `path`. Raises CompileError SPEC105, at `span`."""
-    try:
-        return path.read_bytes().decode()
-    except (OSError, UnicodeDecodeError) as error:
-        problem = "not UTF-8 text" if isinstance(error, ValueError) else str(error.strerror)
-        shown = name or path.as_posix()
-        problem = problem[:1].lower() + problem[1:]
-        raise CompileError(Diagnostic.of("SPEC105", span, path=shown, problem=problem)) from None
+    path = document.path.parent / document.value_text("automaton").value
+    declared = document.keys("propositions") or None
+    return load_hoa(path, declared, span=document.span("automaton")).ldba
 
 
 def import_findings(ldba: Ldba, document: Document) -> Iterator[Diagnostic]:

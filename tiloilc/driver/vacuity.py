@@ -13,7 +13,7 @@ from tiloilc.ltl.ast import FALSE, TRUE, Constant, Formula
 MAX_PARTS = 40
 MAX_STATES = 200
 SECONDS = 0.5
-SECONDS_IN_ALL = 5.0
+SECONDS_IN_ALL = 2.0
 """Beyond these nobody asks: a comparison takes milliseconds on formulas that people write."""
 
 DOWN, BOTH, UP = -1, 0, 1
@@ -43,7 +43,9 @@ def irrelevant_parts(syntax: Syntax, propositions: Sequence[str]) -> list[tuple[
             if value is not None:
                 found = {key: kept for key, kept in found.items() if not _holds(place, kept[0])}
                 found[id(place)] = place, value
-        if before == set(found) or time.monotonic() > until:
+            if time.monotonic() > until:
+                return _in_order(found)
+        if before == set(found):
             break
     return _in_order(found)
 

@@ -6,7 +6,9 @@ and universality: Etessami and Holzmann, Optimizing Büchi Automata (CONCUR 2000
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, wraps
+from typing import TypeVar
 
 from tiloilc.ltl.ast import (
     Always,
@@ -26,6 +28,30 @@ from tiloilc.ltl.normal import nnf
 
 REMEMBERED = 1 << 16
 """Answers kept: the rules ask about the same sub-formulas again and again."""
+
+T = TypeVar("T")
+
+
+def remembered(ask: Callable[[Formula, Callable[[Formula], T]], T]) -> Callable[[Formula], T]:
+    """A question that is asked of the operands too (`ask` is given itself), its answers kept.
+
+    The recursion is that of the formula; where that is too deep, the operands are asked first.
+    """
+
+    @lru_cache(maxsize=REMEMBERED)
+    def again(formula: Formula) -> T:
+        return ask(formula, again)
+
+    @wraps(ask)
+    def asked(formula: Formula) -> T:
+        try:
+            return again(formula)
+        except RecursionError:
+            for part in subformulas(formula):
+                again(part)
+            return again(formula)
+
+    return asked
 
 
 def is_safety(formula: Formula) -> bool:
@@ -50,8 +76,8 @@ def _has(formula: Formula, kinds: tuple[type[Formula], ...]) -> bool:
     return any(isinstance(part, kinds) for part in subformulas(nnf(formula)))
 
 
-@lru_cache(maxsize=REMEMBERED)
-def is_eventual(formula: Formula) -> bool:
+@remembered
+def is_eventual(formula: Formula, again: Callable[[Formula], bool]) -> bool:
     """A pure eventuality: true of every word that has a suffix of which it is true. NNF."""
     match formula:
         case Constant() | Eventually():
@@ -59,13 +85,13 @@ def is_eventual(formula: Formula) -> bool:
         case Proposition() | Not():
             return False
         case Until(_, right):
-            return is_eventual(right)
+            return again(right)
         case _:
-            return all(is_eventual(child) for child in formula.children)
+            return all(again(child) for child in formula.children)
 
 
-@lru_cache(maxsize=REMEMBERED)
-def is_universal(formula: Formula) -> bool:
+@remembered
+def is_universal(formula: Formula, again: Callable[[Formula], bool]) -> bool:
     """Purely universal: true of every suffix of a word of which it is true. NNF."""
     match formula:
         case Constant() | Always():
@@ -73,9 +99,9 @@ def is_universal(formula: Formula) -> bool:
         case Proposition() | Not():
             return False
         case Release(_, right):
-            return is_universal(right)
+            return again(right)
         case _:
-            return all(is_universal(child) for child in formula.children)
+            return all(again(child) for child in formula.children)
 
 
 def is_suspendable(formula: Formula) -> bool:

@@ -23,8 +23,8 @@ SYMBOLS = {
     "OR": ("|", "||", "\\/", "∨", "∪", "+"),
     "XOR": ("^", "⊕"),
     "IMPLIES": ("->", "-->", "=>", "→", "⟶", "⇒", "⟹"),
-    "IFF": ("<->", "<-->", "<=>", "↔", "⇔"),
-    "NEXT": ("()", "○", "◯"),
+    "IFF": ("<->", "<-->", "<=>", "↔", "⟷", "⇔", "⟺"),
+    "NEXT": ("()", "○", "◯", "Ⓧ"),
     "EVENTUALLY": ("<>", "◇", "⋄", "♢"),
     "ALWAYS": ("[]", "□", "⬜", "◻"),
     "TRUE": ("⊤",),
@@ -32,7 +32,7 @@ SYMBOLS = {
     "OPEN": ("(",),
     "CLOSE": (")",),
     "IS_TRUE": ("=1",),
-    "IS_FALSE": ("=0",),
+    "IS_FALSE": ("=0", "\N{COMBINING OVERLINE}", "\N{COMBINING MACRON}"),
 }
 """Spellings that need no space around them."""
 
@@ -41,8 +41,8 @@ WORDS = {
     "AND": ("and",),
     "OR": ("or",),
     "XOR": ("xor",),
-    "IMPLIES": ("implies",),
-    "IFF": ("iff",),
+    "IMPLIES": ("implies", "IMP"),
+    "IFF": ("iff", "BIIMP"),
     "NEXT": ("X", "next"),
     "EVENTUALLY": ("F", "eventually", "finally"),
     "ALWAYS": ("G", "always", "globally"),
@@ -69,12 +69,17 @@ BINARY_KINDS = frozenset(
 
 _SPACE = re.compile(r"(?:\s+|/\*.*?\*/)+", re.DOTALL)
 _WORD = re.compile(r"[\w.]+")
-_QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
+QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
+SINGLE_QUOTED = re.compile(r"'((?:[^'\\]|\\.)*)'", re.DOTALL)
 _TWO_WORDS = re.compile(r"(weak)\s+until\b|(strong)\s+release\b")
 _SYMBOL = re.compile("|".join(re.escape(s) for s in sorted(SYMBOL_KINDS, key=len, reverse=True)))
-_BOUNDS = re.compile(r"\s*\[\s*(\d{1,6})(?:\s*(:|\.\.|,)\s*(\d{1,6}|\$|inf)?)?\s*\]")
-_BRACKETS = re.compile(r"\[[^\]()&|\"]*\]?")
-_SAME = re.compile(r"(.)\1*", re.DOTALL)
+_BOUNDS = re.compile(
+    r"\s*\[\s*(?P<first>\d{1,6})?\s*"
+    r"(?:(?P<to>:|\.\.|,|to)\s*(?P<last>\d{1,6}|\$|inf)?\s*)?(?P<strong>!)?\s*\]"
+)
+_FOREIGN = re.compile(r"!=|=(?![01>])=*|=>=|<=(?!>)|>=|<-(?![>-])|:=")
+"""Operators of other languages that would be cut into ours."""
+_STRANGE = re.compile(r"\[[^\[\]]{0,40}\]|(.)\1*", re.DOTALL)
 _PREFIX_RUN = re.compile(r"[FGX]*")
 _PLAIN_NAME = re.compile(r"[a-zA-EH-WYZ_.][a-zA-Z0-9_.]*|[FGX][0-9][a-zA-Z0-9_.]*")
 _ALIKE = 0.6
@@ -124,18 +129,24 @@ def tokenize(text: str, declared: Iterable[str] | None) -> Lexed:
         elif word := _WORD.match(text, at):
             words.read(word.group(), at, lexed, _formula_follows(text, word.end()))
             at = _with_bounds(text, word.end(), lexed.tokens)
-        elif quoted := _QUOTED.match(text, at):
+        elif quoted := QUOTED.match(text, at) or _single_quoted(text, at, lexed.tokens):
             name = re.sub(r"\\(.)", r"\1", quoted[1], flags=re.DOTALL)
-            lexed.tokens.append(Token("NAME", at, quoted.end(), name))
+            if name and name.isprintable():
+                lexed.tokens.append(Token("NAME", at, quoted.end(), name))
+            else:
+                lexed.strange.append((at, quoted.end()))
             at = quoted.end()
         elif text.startswith("/*", at) or text[at] == '"':
             lexed.strange.append((at, len(text)))
             at = len(text)
+        elif foreign := _FOREIGN.match(text, at):
+            lexed.strange.append((at, foreign.end()))
+            at = foreign.end()
         elif symbol := _SYMBOL.match(text, at):
             lexed.tokens.append(Token(SYMBOL_KINDS[symbol.group()], at, symbol.end()))
             at = _with_bounds(text, symbol.end(), lexed.tokens)
         else:
-            run = _BRACKETS.match(text, at) or _SAME.match(text, at)
+            run = _STRANGE.match(text, at)
             assert run is not None
             lexed.strange.append((at, run.end()))
             at = run.end()
@@ -145,20 +156,29 @@ def tokenize(text: str, declared: Iterable[str] | None) -> Lexed:
 def _with_bounds(text: str, at: int, tokens: list[Token]) -> int:
     """Make `F` into `F[2:5]`, if bounds follow: a token whose name is `EVENTUALLY 2 5`.
 
-    X takes one number, F and G two; without the second they are open (`F[2:]`, `F[2..$]`).
+    X takes one number or none (`X[!]`: on infinite words the strong next is the next), F and G two;
+    without the first they begin now, without the second they are open (`F[2:]`, `F[2..$]`).
     Returns where the text goes on.
     """
     bounds = _BOUNDS.match(text, at)
     if bounds is None or not tokens or tokens[-1].kind not in UNARY_KINDS - {"NOT"}:
         return at
-    first, separator, last = bounds.groups()
-    if (separator is None) != (tokens[-1].kind == "NEXT"):
+    kind, first, to, last = tokens[-1].kind, bounds["first"], bounds["to"], bounds["last"]
+    if (to is None) != (kind == "NEXT") or (first is None and to is None and not bounds["strong"]):
         return at
-    if last and last.isdigit() and int(last) < int(first):
+    until = int(last) if last and last.isdigit() else None
+    since = int(first) if first else int(to is None)
+    if until is not None and until < since:
         return at
-    name = " ".join((tokens[-1].kind, first, last if last and last.isdigit() else "")).strip()
+    name = f"{kind} {since}" + ("" if until is None else f" {until}")
     tokens[-1] = Token("BOUNDED", tokens[-1].start, bounds.end(), name)
     return bounds.end()
+
+
+def _single_quoted(text: str, at: int, tokens: list[Token]) -> re.Match[str] | None:
+    """A proposition in single quotes, as Owl reads it; not where `a'` is meant."""
+    ends = tokens and tokens[-1].kind in OPERAND_ENDS and tokens[-1].end == at
+    return None if ends else SINGLE_QUOTED.match(text, at)
 
 
 def keyword(word: str) -> str | None:

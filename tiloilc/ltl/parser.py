@@ -5,28 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from itertools import islice
 
 from tiloilc.diag import CompileError, Diagnostic, SourceText, Span
 from tiloilc.ltl.ast import Formula
 from tiloilc.ltl.lexer import Ambiguity, Lexed, Token, tokenize
 from tiloilc.ltl.precedence import surprises
+from tiloilc.ltl.strange import strange_findings
 from tiloilc.ltl.syntax import Stop, Syntax, read_syntax
 
 MAX_LENGTH = 100_000
 """Characters. A longer text is no formula that anyone wrote, or could translate."""
 
-STRANGE_HELP = {
-    "=": "equality of truth values is `<->`",
-    "==": "equality of truth values is `<->`",
-    "<": "comparisons belong into the definition of a proposition",
-    ">": "comparisons belong into the definition of a proposition",
-    "-": "implication is `->`, negation is `!`",
-    "'": 'a proposition is quoted by `"`',
-    "`": 'a proposition is quoted by `"`',
-    "{": "formulas are grouped by `(` and `)`",
-    "[": "bounds follow X, F or G: `X[3]`, `F[2:5]`, `G[2:]`",
-}
-"""What was probably meant by a character that the language does not have."""
+MAX_FINDINGS = 50
+"""Of one kind. Nobody reads more, and of a long text without sense there would be thousands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,13 +49,15 @@ def parse(text: SourceText | str, propositions: Sequence[str] | None = None) -> 
         raise CompileError(Diagnostic.of("LTL202", text.span(0, 1), problem=problem))
     lexed = tokenize(text.value, propositions)
     names = [token for token in lexed.tokens if token.kind == "NAME"]
-    findings = [_strange(text, start, end) for start, end in lexed.strange]
+    findings = list(islice(strange_findings(text, lexed), MAX_FINDINGS))
     tree = None if findings else read_syntax(text, lexed.tokens)
     if isinstance(tree, Stop):
         findings.append(tree.diagnostic)
         names = [t for t in names if t.end <= tree.start or t.start >= tree.end]
     if propositions is not None:
-        findings += [_unknown(text, t, propositions) for t in names if t.name not in propositions]
+        known = set(propositions)
+        unknown = [token for token in names if token.name not in known][:MAX_FINDINGS]
+        findings += [_unknown(text, token, propositions) for token in unknown]
     if findings:
         raise CompileError(*sorted(findings, key=Diagnostic.sort_key))
     assert tree is not None
@@ -86,36 +80,6 @@ def _warnings(
     return tuple(sorted(both, key=Diagnostic.sort_key))
 
 
-def _strange(text: SourceText, start: int, end: int) -> Diagnostic:
-    """LTL201 for characters that begin no token."""
-    stretch = text.value[start:end]
-    span = text.span(start, end)
-    if stretch.startswith(('"', "/*")):
-        opening, closing = ('"', '"') if stretch[0] == '"' else ("/*", "*/")
-        return Diagnostic.of(
-            "LTL201",
-            text.span(start, start + len(opening)),
-            problem=f"expected a closing `{closing}` before the end of the formula",
-            label="never closed",
-        )
-    if stretch[0].isdigit():
-        return Diagnostic.of(
-            "LTL201",
-            span,
-            problem=f"expected a proposition, found `{stretch}`",
-            label="a name does not begin with a digit",
-            help=f'quote the proposition: `"{stretch}"`',
-        )
-    shown = stretch if stretch.isprintable() else ascii(stretch)[1:-1]
-    return Diagnostic.of(
-        "LTL201",
-        span,
-        problem=f"expected an operator or a proposition, found `{shown}`",
-        label="not part of the formula language",
-        help=STRANGE_HELP.get(stretch, STRANGE_HELP.get(stretch[0], "")),
-    )
-
-
 def _unknown(text: SourceText, token: Token, declared: Sequence[str]) -> Diagnostic:
     """LTL203, with what was probably meant."""
     known = ", ".join(declared) if declared else "none"
@@ -135,8 +99,10 @@ def _unknown(text: SourceText, token: Token, declared: Sequence[str]) -> Diagnos
 
 def _closest(name: str, declared: Sequence[str]) -> str | None:
     folded = {other.casefold(): other for other in reversed(declared)}
-    close = get_close_matches(name.casefold()[:80], list(folded), n=1, cutoff=0.6)
-    return folded[close[0]] if close else None
+    start = name.casefold()[:80]
+    close = get_close_matches(start, list(folded), n=1, cutoff=0.6)
+    longer = [other for other in folded if other.startswith(start) and len(start) > 1]
+    return folded[close[0]] if close else folded[longer[0]] if len(longer) == 1 else None
 
 
 def _spaced(name: str, declared: Sequence[str]) -> str | None:

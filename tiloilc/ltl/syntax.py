@@ -227,6 +227,8 @@ def _stop(text: SourceText, tokens: list[Token], place: int, wants_formula: bool
         whole = Token("NAME", 0, max(1, len(text.value)))
         return at(whole, "expected a formula, found nothing", "empty")
     if wants_formula:
+        if before is not None and shown(before) == "`()`":  # `next`, but hardly meant so
+            return at(before, "expected a formula between `(` and `)`", "empty brackets")
         if found is None:
             assert before is not None
             return at(before, f"expected a formula after {shown(before)}", "nothing follows")
@@ -261,6 +263,8 @@ def _unclosed(tokens: list[Token]) -> Token:
 
 def _help_for_missing_operand(text: SourceText, before: Token | None, found: Token) -> str:
     word = text.value[found.start : found.end]
+    if before is not None and before.kind == found.kind:
+        return "remove one of the two operators"
     if found.kind in BINARY_KINDS and word in WORD_KINDS:
         return f'`{word}` is an operator; a proposition of this name is written `"{word}"`'
     return ""

@@ -9,13 +9,14 @@ from tiloilc.automaton.language.classes import formula_class
 from tiloilc.automaton.language.compare import irrelevant_propositions
 from tiloilc.automaton.language.shortest import shortest_word
 from tiloilc.automaton.ldba import Ldba
+from tiloilc.diag import CompileError
 from tiloilc.ltl import parse, to_text
 from tiloilc.ltl.ast import Formula, Not
 from tiloilc.ltl.words import word_text
 from tiloilc.plan.model import Plan, Stages
 from tiloilc.plan.sentences import in_a_row, stage_lines
 
-__all__ = ["explain", "kind_of", "stage_lines", "word_text"]
+__all__ = ["explain", "explain_automaton", "kind_of", "stage_lines", "word_text"]
 
 
 def explain(plan: Plan) -> str:
@@ -28,7 +29,19 @@ def explain(plan: Plan) -> str:
         ["Propositions", *_indented(_predicate_lines(plan))],
         ["Stages", *_indented(stage_lines(plan.ldba, plan.stages, meant=plan.formula != ""))],
         ["Discriminators", *_indented(_buffer_lines(plan.ldba, plan.stages))],
-        ["Words", *_indented(_word_lines(plan))],
+        ["Words", *_indented(_word_lines(plan.ldba, formula))],
+    ]
+    return "\n\n".join("\n".join(lines) for lines in paragraphs) + "\n"
+
+
+def explain_automaton(title: str, ldba: Ldba, stages: Stages | None) -> str:
+    """The same about an automaton that belongs to no task; without stages it accepts nothing."""
+    about = stage_lines(ldba, stages, meant=False) if stages else iter(["nothing is accepted"])
+    paragraphs = [
+        [title],
+        ["Propositions", f"  {', '.join(ldba.propositions)}"],
+        ["Stages", *_indented(about)],
+        ["Words", *_indented(_word_lines(ldba, None))],
     ]
     return "\n\n".join("\n".join(lines) for lines in paragraphs) + "\n"
 
@@ -75,11 +88,15 @@ def _buffers(row: Sequence[int], ldba: Ldba, stages: Stages) -> str:
     return in_a_row(names)
 
 
-def _word_lines(plan: Plan) -> Iterator[str]:
+def _word_lines(ldba: Ldba, formula: Formula | None) -> Iterator[str]:
     """An accepted and a rejected word; shortest ones where there is a formula."""
-    ldba, names = plan.ldba, plan.ldba.propositions
-    formula = parse(plan.formula, names).formula if plan.formula else None
-    for kind, word in (("accepted", accepted_word(ldba)), ("rejected", rejected_word(ldba))):
+    names = ldba.propositions
+    for kind, ask in (("accepted", accepted_word), ("rejected", rejected_word)):
+        try:
+            word = ask(ldba)
+        except CompileError:
+            yield f"{kind}: unknown, the automaton is too large to ask"
+            continue
         if word is not None and formula is not None:
             meant = formula if kind == "accepted" else Not(formula)
             word = shortest_word(meant, names, word)

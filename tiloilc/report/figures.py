@@ -151,6 +151,8 @@ def inline_svg(drawing: str, title: str) -> Markup:
     if re.search(r"<script|<foreignObject|\son\w+=|javascript:", body, re.IGNORECASE):
         return tag("p", "The drawing was left out: it holds a script.", class_="quiet")
     body = re.sub(r'\sid="[^"]*"', "", body)
+    body = re.sub(r'^(<svg\b[^>]*?)\srole="img"', r"\1", body)
+    body = re.sub(r"^(<svg\b[^>]*>)\s*<title>.*?</title>", r"\1", body, flags=re.DOTALL)
     label = tag("title", f"Automaton of {title}")
     return Markup(re.sub(r"^<svg\b([^>]*)>", rf'<svg role="img"\1>{label}', body, count=1))
 

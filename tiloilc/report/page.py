@@ -83,8 +83,8 @@ def _header(run: Run) -> Markup:
     body = [tag("p", "tiloilc report", class_="eyebrow"), tag("h1", run.name)]
     if plan is not None and plan.description:
         body.append(tag("p", plan.description, class_="lead"))
-    if plan is not None and plan.formula:
-        body.append(tag("pre", tag("code", plan.formula), class_="formula"))
+    if plan is not None and plan.goal:
+        body.append(tag("pre", tag("code", plan.goal), class_="formula"))
     body.append(tag("p", facts.algorithm(run), " ", facts.verdict(run), class_="verdict"))
     about = [facts.algorithm(run), f"preset {run.preset}"]
     about.append(f"{len(run.seeds)} seed{'' if len(run.seeds) == 1 else 's'}")
@@ -98,8 +98,8 @@ def _header(run: Run) -> Markup:
 def _comparison_header(runs: Sequence[Run], title: str) -> Markup:
     body = [tag("p", f"tiloilc report · {len(runs)} runs compared", class_="eyebrow")]
     body.append(tag("h1", title))
-    formulas = dict.fromkeys(run.plan.formula for run in runs if run.plan is not None)
-    body += [tag("pre", tag("code", formula), class_="formula") for formula in formulas if formula]
+    goals = dict.fromkeys(run.plan.goal for run in runs if run.plan is not None)
+    body += [tag("pre", tag("code", goal), class_="formula") for goal in goals if goal]
     names = facts.labels(runs)
     said = [
         tag("li", tag("i", class_=f"key run-{i % 8}"), tag("b", name), " ", facts.verdict(run))

@@ -62,6 +62,7 @@ class Body:
             raise tokens.error(place, f"state {number} is described twice")
         name = unquoted(tokens.take()) if tokens.next.kind == "string" else ""
         sets = self._sets()
+        wanted = 1 << len(self.header.bits)
         edges: list[FileEdge] = []
         labels: list[bool] = []
         marked = False
@@ -75,19 +76,23 @@ class Body:
                 problem = f"either all edges of state {number} have labels, or none"
                 raise tokens.error(begin, problem)
             if guard is None:
-                guard = self._implicit(number, len(edges), begin) if label is None else label
+                guard = label if label is not None else TRUE
             target, at = tokens.number("a state's number")
             refuse_conjunction(tokens, at, "an edge leads to several states at once")
             own = self._sets()
             marked |= bool(own)
             edges.append(FileEdge(guard, target, own | sets, at))
+            if label is None and not labels[0] and len(edges) > wanted:
+                problem = f"state {number} has no labels, so {wanted} edges, but more are listed"
+                raise tokens.error(begin, problem, help="write labels such as `[0 & !1]`")
         labelled = "state" if label is not None else "edge" if any(labels) else "none"
-        wanted = 1 << len(self.header.bits)
         if labelled == "none" and edges and len(edges) != wanted:
             problem = (
                 f"state {number} has no labels, so {wanted} edges, but {len(edges)} are listed"
             )
             raise tokens.error(place, problem, help="list one for each letter, or write labels")
+        if labelled == "none":
+            edges = self._of_letters(edges)
         return number, FileState(place, name, sets, tuple(edges), labelled, marked)
 
     def _label(self) -> Node | None:
@@ -102,17 +107,30 @@ class Body:
             label, self.diagrams, lambda t: self.header.letters(t, tokens, self.diagrams)
         )
 
-    def _implicit(self, state: int, index: int, place: Token) -> Node:
-        """The one letter of the edge `index` of a state without labels."""
-        bits = self.header.bits
-        if index >> len(bits):
-            problem = f"state {state} has no labels, so {1 << len(bits)} edges, but more are listed"
-            raise self.tokens.error(place, problem, help="write labels such as `[0 & !1]`")
-        node = TRUE
-        for bit, number in sorted(((b, n) for n, b in enumerate(bits)), reverse=True):
-            high = bool(index >> number & 1)
-            node = self.diagrams.node(bit, *((FALSE, node) if high else (node, FALSE)))
-        return node
+    def _of_letters(self, edges: list[FileEdge]) -> list[FileEdge]:
+        """The edges of a state without labels: the n-th is for the letter n."""
+        together: dict[tuple[int, frozenset[int]], list[int]] = {}
+        for letter, edge in enumerate(edges):
+            together.setdefault((edge.target, edge.sets), []).append(letter)
+        order = sorted((bit, number) for number, bit in enumerate(self.header.bits))
+        return [
+            edges[letters[0]]._replace(guard=self._letters(letters, order))
+            for letters in together.values()
+        ]
+
+    def _letters(self, letters: list[int], order: list[tuple[int, int]]) -> Node:
+        """A set of letters of the file, by the propositions in `order`: (variable, number)."""
+        self.diagrams.budget.tick()
+        if len(letters) >> len(order):
+            return TRUE
+        if not letters:
+            return FALSE
+        (variable, number), *below = order
+        parts: tuple[list[int], list[int]] = ([], [])
+        for letter in letters:
+            parts[letter >> number & 1].append(letter)
+        low, high = (self._letters(part, below) for part in parts)
+        return self.diagrams.node(variable, low, high)
 
     def _sets(self) -> frozenset[int]:
         """`{0 2}`, the acceptance sets of a state or an edge; none if there are no braces."""

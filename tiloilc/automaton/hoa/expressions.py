@@ -110,6 +110,10 @@ MAX_CLAUSES = 64
 """Sets of generalised Büchi acceptance: each multiplies the accepting states."""
 
 
+MAX_OPERANDS = 1_000
+"""Operands and operators of an acceptance condition; tools write a few dozen."""
+
+
 def condition_atom(tokens: Tokens) -> Atom[Condition]:
     """`Inf(0)`, `Inf(!0)`, the same with `Fin`, `t` or `f`."""
     if tokens.next.text not in ("Inf", "Fin", "t", "f"):
@@ -133,6 +137,8 @@ def clauses(condition: Sequence[Atom[Condition] | Operator]) -> tuple[Clause, ..
     at all, `f` an empty one. Raises CompileError AUT305 for too many sets.
     """
     stack: list[tuple[Clause, ...]] = []
+    if len(condition) > MAX_OPERANDS:
+        raise too_large(f"its acceptance has more than {MAX_OPERANDS:_} parts")
     for item in condition:
         if isinstance(item, Atom):
             name, visited = item.value

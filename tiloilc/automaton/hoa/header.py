@@ -20,9 +20,13 @@ from tiloilc.automaton.hoa.expressions import (
 )
 from tiloilc.automaton.hoa.tokens import Token, Tokens, shown, unquoted
 from tiloilc.diag import CompileError, Diagnostic, did_you_mean
+from tiloilc.diag.text import one_line
 
 MAX_PROPOSITIONS = 62
 """A letter is the set of true propositions, kept as the bits of one 64-bit integer."""
+
+FEW = 30
+"""Longer names, and more of them, are not compared to guess what may have been meant."""
 
 _ONCE = ("HOA:", "States:", "AP:", "Acceptance:", "acc-name:", "tool:", "name:")
 
@@ -154,7 +158,7 @@ def _unknown(name: Token, tokens: Tokens) -> None:
     """Skip a header that may be skipped: its name begins with a small letter."""
     if name.text[0].isupper():
         known = ("States:", "Start:", "AP:", "Alias:", "Acceptance:")
-        help = did_you_mean(name.text, known) if len(name.text) < 30 else ""
+        help = did_you_mean(name.text, known) if len(name.text) < FEW else ""
         problem = f"header `{shown(name)}` is not known and may change the meaning"
         raise tokens.error(name, problem, help=help)
     while tokens.next.kind in ("int", "string", "word"):
@@ -197,7 +201,9 @@ def check_aliases(label: Postfix[str], tokens: Tokens, known: Mapping[str, objec
     for item in label:
         if isinstance(item, Atom) and item.token.kind == "alias" and item.token.text not in known:
             problem = f"alias `{shown(item.token)}` is not defined before its use"
-            raise tokens.error(item.token, problem, help=did_you_mean(item.token.text, known))
+            few = [name for name in list(known)[:FEW] if len(name) < FEW]
+            help = did_you_mean(item.token.text, few) if len(item.token.text) < FEW else ""
+            raise tokens.error(item.token, problem, help=help)
 
 
 def refuse_conjunction(tokens: Tokens, first: Token, problem: str) -> None:
@@ -224,7 +230,7 @@ def _propositions(
             tokens.span(token.start, token.end),
             name=name,
             label="not declared",
-            help=did_you_mean(name, wanted, listed="declared"),
+            help=did_you_mean(name, wanted, listed="declared") if len(name) < FEW else "",
         )
         for name, token in zip(own, items.propositions, strict=True)
         if name not in wanted
@@ -282,11 +288,11 @@ def _check_name(items: _Items, tokens: Tokens, found: tuple[Clause, ...]) -> Non
         count = parameters[0] if parameters else None
     if name not in ("Buchi", "generalized-Buchi", "all", "none"):
         return
-    each = tuple(frozenset({Visited(n, False)}) for n in range(items.sets[0]))
-    meant = (frozenset[Visited](),) if name == "none" else each
-    if count != str(items.sets[0]) or set(found) != set(meant):
+    each = {(Visited(n, False),) for n in range(len(found))}
+    meant = {()} if name == "none" else each if len(found) == items.sets[0] else None
+    if count != str(items.sets[0]) or {tuple(clause) for clause in found} != meant:
         first, last = items.accepting[0], items.accepting[-1]
         place = Token("word", "", first.start, last.end)
         said = " ".join(tokens.text[items.sets[1].start : items.condition_end].split())
-        problem = f"`acc-name: {name}` contradicts `Acceptance: {said[:60]}`"
+        problem = f"`acc-name: {name}` contradicts `Acceptance: {one_line(said[:60])}`"
         raise tokens.error(place, problem, help="remove `acc-name:`, or correct it")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from tiloilc.automaton.bdd import TRUE, Diagrams
 from tiloilc.automaton.draft import Draft
@@ -18,6 +19,7 @@ from tiloilc.automaton.ldba import Ldba
 from tiloilc.automaton.limits import MAX_STATES, TIMEOUT, Budget
 from tiloilc.automaton.reduction.reduce import reduce
 from tiloilc.automaton.translate import Acceptance
+from tiloilc.diag import CompileError, Diagnostic, Span
 from tiloilc.diag.text import one_line
 
 
@@ -85,6 +87,22 @@ def read_hoa(
         return Imported(_in_the_files_order(ldba, automaton, names), name)
     draft = reduce(with_subsets(automaton, names, diagrams), diagrams)
     return Imported(finish(draft, header.propositions, diagrams), name)
+
+
+def load_hoa(
+    path: Path, propositions: Sequence[str] | None = None, *, span: Span | None = None
+) -> Imported:
+    """The automaton in the file `path`, as `read_hoa` reads it.
+
+    Raises CompileError SPEC105, at `span`, if there is no file to read.
+    """
+    try:
+        text = path.read_bytes().decode()
+    except (OSError, UnicodeDecodeError) as error:
+        problem = "not UTF-8 text" if isinstance(error, ValueError) else str(error.strerror)
+        about = {"path": path.as_posix(), "problem": problem[:1].lower() + problem[1:]}
+        raise CompileError(Diagnostic.of("SPEC105", span, **about)) from None
+    return read_hoa(text, propositions, file=path.as_posix())
 
 
 def _names(automaton: Limited, body: Body) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 
 from tiloilc.automaton.limits import Budget, too_large
 from tiloilc.diag import CompileError, Diagnostic, Span
+from tiloilc.diag.text import one_line
 
 MAX_CHARACTERS = 16_000_000
 """Of one file: many times what the limit of states can fill, and a minute's reading."""
@@ -18,7 +19,7 @@ LARGEST = 2**31 - 1
 Kind = Literal["string", "section", "header", "word", "alias", "int", "sign", "end"]
 
 _TOKEN = re.compile(
-    r'(?P<string>"(?:\\.|[^"\\])*")'
+    r'(?P<string>"(?:[^"\\]++|\\.)*+")'
     r"|(?P<section>--(?:BODY|END|ABORT)--)"
     r"|(?P<header>[a-zA-Z_][0-9a-zA-Z_-]*:)"
     r"|(?P<word>[a-zA-Z_][0-9a-zA-Z_-]*)"
@@ -164,7 +165,7 @@ class Tokens:
 def shown(token: Token) -> str:
     """The word as a message repeats it."""
     text = token.text
-    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…"
+    return one_line(text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…")
 
 
 def unquoted(token: Token) -> str:

@@ -57,6 +57,9 @@ class _Writer:
         ]
         self.component = components(graph)
         self.rows = [self._row(q) for q in self.ldba.states]
+        sink = self.ldba.sink
+        if sink and not any(line.target == sink for row in self.rows[:sink] for line in row):
+            self.ldba, self.rows = _without_sink(self.ldba), self.rows[:sink]
 
     def _row(self, state: int) -> list[_Line]:
         """The edges of `state` with those of its jumps, one line for each target and mark."""

@@ -25,7 +25,8 @@ from tiloilc.ltl.ast import (
 
 RELEVANCE_NAMES = 40
 RELEVANCE_STATES = 200
-RELEVANCE_SECONDS = 2.0
+RELEVANCE_SECONDS = 0.5
+RELEVANCE_SECONDS_IN_ALL = 2.0
 """Beyond these nobody asks which propositions matter."""
 
 
@@ -67,7 +68,7 @@ def irrelevant_propositions(formula: Formula, propositions: Sequence[str]) -> It
 
     Ends early where the comparison would take too long.
     """
-    until = time.monotonic() + RELEVANCE_SECONDS
+    until = time.monotonic() + RELEVANCE_SECONDS_IN_ALL
     names = propositions_of(formula)
     for name in names if len(names) <= RELEVANCE_NAMES else ():
         try:

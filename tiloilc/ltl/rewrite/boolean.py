@@ -126,6 +126,51 @@ def join_suspendable(f: Formula) -> Formula:
     return f
 
 
+def join_until(f: Formula) -> Formula:
+    """`(a U b) | (a U c)` to `a U (b | c)`, `(a U b) & (c U b)` to `(a & c) U b`; W, R, M alike."""
+    if not isinstance(f, And | Or):
+        return f
+    join = conjunction if isinstance(f, And) else disjunction
+    weak_first = (Until, WeakUntil), (Release, StrongRelease)
+    by_right, by_left = weak_first if isinstance(f, And) else reversed(weak_first)
+    for one, other in combinations(f.operands, 2):
+        if type(one) is not type(other):
+            continue
+        if isinstance(one, by_left) and isinstance(other, by_left) and one.left == other.left:
+            both = type(one)(one.left, join((one.right, other.right)))
+            return _merged(f, one, other, both)
+        if isinstance(one, by_right) and isinstance(other, by_right) and one.right == other.right:
+            both = type(one)(join((one.left, other.left)), one.right)
+            return _merged(f, one, other, both)
+    return f
+
+
+def beside_lasting(f: Formula) -> Formula:
+    """`G a & (a U b)` to `G a & F b`, `F a | (a R b)` to `F a | G b`; M and W alike."""
+    match f:
+        case And(operands):
+            always = [o.operand for o in operands if isinstance(o, Always)]
+            return conjunction([_beside_always(o, always) for o in operands])
+        case Or(operands):
+            eventually = [o.operand for o in operands if isinstance(o, Eventually)]
+            return disjunction([_beside_eventually(o, eventually) for o in operands])
+    return f
+
+
+def _beside_always(operand: Formula, always: Sequence[Formula]) -> Formula:
+    match operand:
+        case Until(a, b) | StrongRelease(b, a) if any(implies(c, a) for c in always):
+            return Eventually(b)
+    return operand
+
+
+def _beside_eventually(operand: Formula, eventually: Sequence[Formula]) -> Formula:
+    match operand:
+        case Release(a, b) | WeakUntil(b, a) if any(implies(a, c) for c in eventually):
+            return Always(b)
+    return operand
+
+
 def combine(f: Formula) -> Formula:
     """`(a U b) | G a` to `a W b`, `(a W b) & F b` to `a U b`, and R and M alike."""
     if not isinstance(f, And | Or):

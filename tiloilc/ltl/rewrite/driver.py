@@ -30,6 +30,9 @@ RULES: tuple[Rule, ...] = (
     temporal.degenerate,
     temporal.lasting,
     temporal.nested,
+    temporal.release_by,
+    temporal.suspendable_outwards,
+    temporal.in_the_limit,
     boolean.contradiction,
     boolean.absorption,
     boolean.unit,
@@ -37,6 +40,8 @@ RULES: tuple[Rule, ...] = (
     boolean.join_eventually,
     boolean.join_always,
     boolean.join_suspendable,
+    boolean.join_until,
+    boolean.beside_lasting,
     boolean.combine,
     boolean.refold,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 from tiloilc.ltl.ast import (
@@ -17,7 +18,7 @@ from tiloilc.ltl.ast import (
     Until,
     WeakUntil,
 )
-from tiloilc.ltl.fragments import REMEMBERED, is_eventual, is_universal
+from tiloilc.ltl.fragments import REMEMBERED, is_eventual, is_universal, remembered
 from tiloilc.ltl.normal import negation
 
 MAX_HEIGHT = 100
@@ -45,10 +46,10 @@ def negated(formula: Formula) -> Formula:
     return negation(formula)
 
 
-@lru_cache(maxsize=REMEMBERED)
-def height(formula: Formula) -> int:
+@remembered
+def height(formula: Formula, again: Callable[[Formula], int]) -> int:
     """Operators on the longest way down."""
-    return 1 + max([height(child) for child in formula.children], default=-1)
+    return 1 + max([again(child) for child in formula.children], default=-1)
 
 
 @lru_cache(maxsize=REMEMBERED)

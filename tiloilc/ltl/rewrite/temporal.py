@@ -177,7 +177,66 @@ def nested(f: Formula) -> Formula:
             return Release(a, b)
         case StrongRelease(StrongRelease(a, c), b) if b == c:
             return StrongRelease(a, b)
+        case Until(Until(c, a) | WeakUntil(c, a), b) | WeakUntil(Until(c, a) | WeakUntil(c, a), b):
+            return type(f)(a, b) if implies(c, b) else f
+        case Release(Release(c, a) | StrongRelease(c, a), b) | StrongRelease(
+            Release(c, a) | StrongRelease(c, a), b
+        ):
+            return type(f)(a, b) if implies(b, c) else f
     return f
+
+
+def release_by(f: Formula) -> Formula:
+    """`a U (a & b)` to `b M a`, `a R (a | b)` to `b W a`; W and M alike."""
+    match f:
+        case Until(a, And(operands)) if a in operands:
+            return StrongRelease(conjunction([o for o in operands if o != a]), a)
+        case WeakUntil(a, And(operands)) if a in operands:
+            return Release(conjunction([o for o in operands if o != a]), a)
+        case Release(a, Or(operands)) if a in operands:
+            return WeakUntil(disjunction([o for o in operands if o != a]), a)
+        case StrongRelease(a, Or(operands)) if a in operands:
+            return Until(disjunction([o for o in operands if o != a]), a)
+    return f
+
+
+def suspendable_outwards(f: Formula) -> Formula:
+    """`a U (b & G F c)` to `(a U b) & G F c`, `a R (b | F G c)` to `(a R b) | F G c`."""
+    match f:
+        case Until(a, And(operands)) | Release(a, And(operands)) | StrongRelease(a, And(operands)):
+            join = conjunction
+        case Until(a, Or(operands)) | WeakUntil(a, Or(operands)) | Release(a, Or(operands)):
+            join = disjunction
+        case _:
+            return f
+    inside = [operand for operand in operands if not is_suspendable(operand)]
+    if len(inside) == len(operands):
+        return f
+    outside = [operand for operand in operands if is_suspendable(operand)]
+    return join([type(f)(a, join(inside)), *outside])
+
+
+def in_the_limit(f: Formula) -> Formula:
+    """`G F (a | X b)` to `G F (a | b)`, `G F (a & G b)` to `G F a & F G b`, and duals."""
+    match f:
+        case Always(Eventually(Or(operands))) if any(isinstance(o, Next) for o in operands):
+            return Always(Eventually(disjunction(map(_now, operands))))
+        case Eventually(Always(And(operands))) if any(isinstance(o, Next) for o in operands):
+            return Eventually(Always(conjunction(map(_now, operands))))
+        case Always(Eventually(And(operands))) if any(map(is_universal, operands)):
+            lasting = [Eventually(o) for o in operands if is_universal(o)]
+            rest = conjunction([o for o in operands if not is_universal(o)])
+            return conjunction([Always(Eventually(rest)), *lasting])
+        case Eventually(Always(Or(operands))) if any(map(is_eventual, operands)):
+            often = [Always(o) for o in operands if is_eventual(o)]
+            rest = disjunction([o for o in operands if not is_eventual(o)])
+            return disjunction([Eventually(Always(rest)), *often])
+    return f
+
+
+def _now(operand: Formula) -> Formula:
+    """The operand without X: one step does not matter."""
+    return operand.operand if isinstance(operand, Next) else operand
 
 
 def _is_special(operand: Formula) -> bool:

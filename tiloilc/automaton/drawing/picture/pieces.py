@@ -103,7 +103,8 @@ class Link:
         """The link for the layout."""
         role: Role = "jumptext" if self.jump else "guard"
         size = LOOKS[role].size
-        wide, high = width(self.lines, size) + 6, LINE * size * len(self.lines) + 2
+        air = 30 if self.jump else 6  # so that its dashes are seen
+        wide, high = width(self.lines, size) + air, LINE * size * len(self.lines) + 2
         return Arrow(self.source, self.target, wide, high)
 
 

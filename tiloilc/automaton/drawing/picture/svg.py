@@ -89,7 +89,7 @@ def _css(scene: Scene) -> str:
     rules += [f".ldba-{role}{{{_rule(LOOKS[role])}}}" for role in roles]
     rules.append(".ldba text.ldba-start{text-anchor:start}")
     dark = [f".ldba-{role}{{{_colours(*LOOKS[role].night)}}}" for role in roles]
-    rules.append(f"@media (prefers-color-scheme:dark){{{''.join(dark)}}}")
+    rules.append(f"@media screen and (prefers-color-scheme:dark){{{''.join(dark)}}}")
     return "\n".join(["", *rules, ""])
 
 
