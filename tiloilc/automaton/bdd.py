@@ -40,6 +40,7 @@ class Diagrams:
         self._not: dict[Node, Node] = {FALSE: TRUE, TRUE: FALSE}
         self._support: dict[Node, int] = {FALSE: 0, TRUE: 0}
         self._first: dict[Node, int] = {TRUE: 0}
+        self._tables: dict[tuple[int, ...], dict[Node, int]] = {}
 
     def node(self, variable: int, low: Node, high: Node) -> Node:
         """`high` where `variable` is true, `low` where not; both must be below `variable`."""
@@ -169,6 +170,33 @@ class Diagrams:
             high_part = self.conj(value(v), self.substitute(high, value, memo))
             result = memo[f] = self.disj(high_part, self.substitute(low, value, memo))
         return result
+
+    def table(self, f: Node, variables: tuple[int, ...]) -> int:
+        """The truth table of `f`, which depends on `variables` only: a bit for each assignment.
+
+        Conjunction of tables is `&`, which for a dozen variables is ten times as fast as `conj`.
+        """
+        memo = self._tables.setdefault(variables, {FALSE: 0, TRUE: 1})
+        place = {v: i for i, v in enumerate(variables)}
+        place[_LEAF] = count = len(variables)
+
+        def own(g: Node) -> int:
+            """The table over the variables from that of `g` on."""
+            result = memo.get(g)
+            if result is None:
+                variable, low, high = self._table[g]
+                under = place[variable] + 1
+                result = from_on(low, under) | from_on(high, under) << (1 << count - under)
+                memo[g] = result
+            return result
+
+        def from_on(g: Node, start: int) -> int:
+            result = own(g)
+            for i in reversed(range(start, place[self._table[g][0]])):
+                result |= result << (1 << count - 1 - i)
+            return result
+
+        return from_on(f, 0)
 
     def some(self, f: Node, below: int) -> Node:
         """∃ of all variables under `below`."""

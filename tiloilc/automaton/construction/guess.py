@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 
-from tiloilc.automaton.construction.terms import GREATEST, LEAST, NO, YES, Term, Terms
+from tiloilc.automaton.construction.terms import GREATEST, NO, YES, Term, Terms
 
 
 class Guess(ABC):

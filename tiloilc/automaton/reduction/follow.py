@@ -16,10 +16,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from tiloilc.automaton.bdd import FALSE, Diagrams, Node
+from tiloilc.automaton.bdd import Diagrams
 from tiloilc.automaton.draft import Draft, components, on_cycles, reachable
 from tiloilc.automaton.reduction.inclusion import MAX_PAIRS, Inclusion
 from tiloilc.automaton.reduction.jumps import waiting_states
+from tiloilc.automaton.reduction.letters import moves
 
 
 def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
@@ -36,7 +37,10 @@ def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
     rank = components(graph)
     size = [len(reachable(graph, [t])) for t in range(len(graph))]
     jumps = [list(row) for row in draft.jumps]
-    following = _Following(draft, diagrams, Inclusion(draft, diagrams, pairs), waiting, jumps)
+    inclusion = Inclusion(draft, diagrams, pairs)
+    if not inclusion.complete:
+        return draft
+    following = _Following(draft, diagrams, inclusion, waiting, jumps)
     _, looping = on_cycles(draft)
     for q in sorted(waiting):
         if looping[q]:
@@ -58,7 +62,7 @@ class _Edge(NamedTuple):
 
     target: int
     mark: bool
-    letters: Node
+    letters: int
 
 
 class _Following:
@@ -72,8 +76,8 @@ class _Following:
         waiting: set[int],
         jumps: Sequence[Sequence[int]],
     ) -> None:
-        self._draft = draft
-        self._diagrams = diagrams
+        self._moves = moves(draft, diagrams) or []
+        self._budget = diagrams.budget
         self._inclusion = inclusion
         self._waiting = waiting
         self._jumps = jumps
@@ -105,17 +109,16 @@ class _Following:
     def _covers(self, right: int, left: int) -> bool:
         return left == right or self._inclusion.holds(left, right)
 
-    def _steps(self, q: int, t: int) -> list[tuple[int | None, int, bool, Node]]:
-        steps: list[tuple[int | None, int, bool, Node]] = []
-        for (after, mark), letters in self._draft.rows[t].items():
-            self._diagrams.budget.tick()
+    def _steps(self, q: int, t: int) -> list[tuple[int | None, int, bool, int]]:
+        steps: list[tuple[int | None, int, bool, int]] = []
+        for after, mark, letters in self._moves[t]:
+            self._budget.tick()
             missing = letters
-            for (following, _), guard in self._draft.rows[q].items():
-                common = self._diagrams.conj(letters, guard)
-                if common != FALSE:
-                    steps.append((following, after, mark, common))
-                    missing = self._diagrams.minus(missing, guard)
-            if missing != FALSE:
+            for following, _, others in self._moves[q]:
+                if letters & others:
+                    steps.append((following, after, mark, letters & others))
+                    missing &= ~others
+            if missing:
                 steps.append((None, after, mark, missing))
         return steps
 
@@ -146,18 +149,18 @@ class _Following:
             for edge in graph[m]:
                 if edge.target not in piece:
                     continue
-                self._diagrams.budget.tick()
+                self._budget.tick()
                 missing = edge.letters
-                for (after, mark), guard in self._draft.rows[v].items():
-                    if self._diagrams.conj(edge.letters, guard) == FALSE:
+                for after, mark, letters in self._moves[v]:
+                    if not edge.letters & letters:
                         continue
-                    missing = self._diagrams.minus(missing, guard)
+                    missing &= ~letters
                     pair = (edge.target, after)
                     if pair not in index:
                         index[pair] = len(work)
                         work.append(pair)
                     edges.append((index[pair], edge.mark, mark))
-                if missing != FALSE:
+                if missing:
                     return False
             product.append(edges)
         quiet = components([[t for t, _, mark in edges if not mark] for edges in product])

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tiloilc.automaton.bdd import FALSE, Diagrams
+from tiloilc.automaton.bdd import Diagrams
 from tiloilc.automaton.draft import Draft, components, reachable, reversed_graph
+from tiloilc.automaton.reduction.letters import moves
 
 MAX_PAIRS = 4_000
 """Pairs of states to compare by language: beyond, inclusion costs more than it saves."""
@@ -22,10 +23,12 @@ class Inclusion:
     """
 
     def __init__(self, draft: Draft, diagrams: Diagrams, pairs: Sequence[tuple[int, int]]) -> None:
-        self._diagrams = diagrams
-        self._draft = draft
+        self._budget = diagrams.budget
+        self._jumps = draft.jumps
+        found = moves(draft, diagrams)
+        self._moves = found or []
         self._index: dict[tuple[int, int], int] = {}
-        self.complete = True
+        self.complete = found is not None
         graph = self._explore(pairs)
         quiet = [[t for t, _, right in edges if not right] for edges in graph]
         component = components(quiet)
@@ -44,7 +47,7 @@ class Inclusion:
         self._index.update({pair: i for i, pair in enumerate(work)})
         graph: list[list[tuple[int, bool, bool]]] = []
         for pair in work:
-            if len(work) > MAX_PAIRS:
+            if len(work) > MAX_PAIRS or not self.complete:
                 self.complete = False
                 break
             edges = []
@@ -60,17 +63,16 @@ class Inclusion:
     def _steps(self, left: int, right: int) -> list[tuple[tuple[int, int], bool, bool]]:
         if right == DEAD:
             return []
-        conj = self._diagrams.conj
         edges = []
-        for state in (left, *self._draft.jumps[left]):
-            for (target, mark), guard in self._draft.rows[state].items():
-                self._diagrams.budget.tick()
-                missing = guard
-                for (other, other_mark), letters in self._draft.rows[right].items():
-                    if conj(guard, letters) != FALSE:
+        for state in (left, *self._jumps[left]):
+            for target, mark, letters in self._moves[state]:
+                self._budget.tick()
+                missing = letters
+                for other, other_mark, others in self._moves[right]:
+                    if letters & others:
                         edges.append(((target, other), mark, other_mark))
-                        missing = self._diagrams.minus(missing, letters)
-                if missing != FALSE:
+                        missing &= ~others
+                if missing:
                     edges.append(((target, DEAD), mark, False))
         return edges
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from tiloilc.automaton.bdd import FALSE, Diagrams
-from tiloilc.automaton.draft import Draft, components, on_cycles
-from tiloilc.automaton.reduction.inclusion import DEAD, MAX_PAIRS, Inclusion
+from tiloilc.automaton.bdd import Diagrams
+from tiloilc.automaton.draft import Draft, on_cycles
+from tiloilc.automaton.reduction.inclusion import MAX_PAIRS, Inclusion
 from tiloilc.automaton.reduction.jumps import waiting_states
 from tiloilc.automaton.reduction.quotient import merged_row
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from tiloilc.automaton.bdd import FALSE, Diagrams
+from tiloilc.automaton.bdd import Diagrams
 from tiloilc.automaton.draft import Draft, components, on_cycles
 from tiloilc.automaton.reduction.inclusion import Inclusion
 from tiloilc.automaton.reduction.jumps import waiting_states
+from tiloilc.automaton.reduction.letters import moves
 from tiloilc.automaton.reduction.quotient import merged_row
 
 MAX_STATES = 100
@@ -63,8 +64,8 @@ class _Trial:
     """Compares the deterministic part of a draft with itself after states have been merged."""
 
     def __init__(self, draft: Draft, diagrams: Diagrams, fixed: Sequence[int]) -> None:
-        self._draft = draft
-        self._diagrams = diagrams
+        self._moves = moves(draft, diagrams) or []
+        self._budget = diagrams.budget
         self._fixed = fixed
         self._steps: dict[tuple[int, int], list[Step]] = {}
 
@@ -88,13 +89,12 @@ class _Trial:
     def _common(self, new: int, old: int) -> list[Step]:
         found = self._steps.get((new, old))
         if found is None:
-            self._diagrams.budget.tick()
-            conj = self._diagrams.conj
+            self._budget.tick()
             found = [
                 (s, t, s_mark, t_mark)
-                for (s, s_mark), guard in self._draft.rows[new].items()
-                for (t, t_mark), letters in self._draft.rows[old].items()
-                if conj(guard, letters) != FALSE
+                for s, s_mark, letters in self._moves[new]
+                for t, t_mark, others in self._moves[old]
+                if letters & others
             ]
             self._steps[new, old] = found
         return found
