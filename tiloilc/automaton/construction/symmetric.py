@@ -100,7 +100,8 @@ class SymmetricGuess(Guess):
             elif where == "top" and terms.is_lasting(term):
                 pass
             elif where != "strong" and name in LEAST:
-                if where == "below" and term not in self.chosen:
+                open_ = where == "below" or term in self.regenerated
+                if open_ and term not in self.chosen:
                     return term
                 if name == "F" or not self.chosen.get(term, False):
                     continue
