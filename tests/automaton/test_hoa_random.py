@@ -32,7 +32,7 @@ def test_a_read_automaton_accepts_the_words_of_the_written_one(acceptance: Accep
 @pytest.mark.slow
 @pytest.mark.parametrize("acceptance", ["state", "edge"])
 def test_many_read_automata_accept_the_words_of_the_written_ones(acceptance: Acceptance) -> None:
-    compare(random.Random(f"many {acceptance}"), 10_000, acceptance)
+    compare(random.Random(f"many {acceptance}"), 6_000, acceptance)
 
 
 def compare(generator: random.Random, count: int, acceptance: Acceptance) -> None:
@@ -112,7 +112,7 @@ def by_subsets(text: str) -> Ldba:
 
 
 @pytest.mark.parametrize(
-    "count", [150, pytest.param(3_000, marks=pytest.mark.slow)], ids=["some", "many"]
+    "count", [150, pytest.param(2_000, marks=pytest.mark.slow)], ids=["some", "many"]
 )
 def test_nobody_is_made_to_guess_too_early_whatever_the_file_says(count: int) -> None:
     generator = random.Random(f"models {count}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import permutations
 
 import pytest
 
@@ -347,3 +348,27 @@ def test_many_beginnings_into_one_part_are_one_jump_each() -> None:
     states = "\n".join(f"State: {i} {{0}}\n[{'!' * (i % 2)}0] {i}" for i in range(30))
     ldba = from_hoa(f'HOA: v1 {starts} AP: 1 "a" Acceptance: 1 Inf(0) --BODY-- {states} --END--')
     assert same(ldba, "G a | G !a")
+
+
+@pytest.mark.parametrize(
+    ("states", "starts", "formula"),
+    [
+        ("State: [0] 0 {0}\n0 1\nState: [!0] 1\n0 1", (0, 1), "G F a"),
+        ("State: [0&!1] 0\n0 1\nState: [1] 1\n2\nState: [t] 2 {0}\n2", (0, 1), "a U b"),
+        ("State: [t] 0\n0 1\nState: [0] 1 {0}\n1", (0, 1), "F G a"),
+        ("State: [0] 0\n0 {0} 1\nState: [!0] 1\n0 1", (0,), "a & F G a | a & G F (a & X a)"),
+        ("State: [0] 0 {0}\n0 1\nState: [!0] 1\n0 1\nState: [1] 2 {0}", (0, 1, 2), "G F a"),
+    ],
+)
+def test_labels_on_states_are_read_on_entering_where_that_decides(
+    states: str, starts: tuple[int, ...], formula: str
+) -> None:
+    text = buchi(states).replace("Start: 0", " ".join(f"Start: {n}" for n in starts))
+    assert same(from_hoa(text), formula)
+
+
+def test_three_edges_to_one_state_have_the_marks_of_all_that_read_a_letter() -> None:
+    three = "Acceptance: 3 Inf(0) & Inf(1) & Inf(2)\n"
+    for order in permutations(("[0]0{0}", "[1]0{0 1}", "[0|1]0{1 2}", "[!0&!1]0")):
+        ldba = from_hoa(body(f"State: 0\n{' '.join(order)}", three))
+        assert same(ldba, "G F a | G F b & G F a | G F (b & !a)"), order

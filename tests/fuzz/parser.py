@@ -97,7 +97,7 @@ class Seen:
         """A few lines."""
         findings = ", ".join(f"{code} {n:,}" for code, n in sorted(self.codes.items()))
         lines = [
-            f"{count:,} texts in {seconds:,.0f} s, the slowest in {self.slowest:.3f} s of the processor",
+            f"{count:,} texts in {seconds:,.0f} s; most processor time {self.slowest:.3f} s",
             f"formulas {self.formulas:,}; findings: {findings}",
             *self.faults[:20],
             f"{len(self.faults)} faults",

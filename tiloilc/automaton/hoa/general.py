@@ -13,17 +13,9 @@ from tiloilc.automaton.bdd import FALSE, Diagrams, Node
 from tiloilc.automaton.draft import Row, components
 from tiloilc.automaton.finish import cubes
 from tiloilc.automaton.guards import guard_text
-from tiloilc.automaton.hoa.body import Body, FileState
+from tiloilc.automaton.hoa.body import Body
+from tiloilc.automaton.hoa.rows import MarkedRow, Marks, readings
 from tiloilc.diag import CompileError, Diagnostic
-
-Marks = int
-"""Bit i: the edge is in the i-th set, each of which must be visited infinitely often."""
-
-MarkedRow = dict[tuple[int, Marks], Node]
-"""The edges of a state: letters by target and marks; those of one target do not overlap."""
-
-BEGIN = -1
-"""The number of the state that is made where a file has several beginnings."""
 
 
 @dataclass(frozen=True)
@@ -53,22 +45,25 @@ def limited(body: Body) -> Limited | None:
     Raises CompileError AUT304 where a letter leads to two places after acceptance.
     """
     diagrams, sets = body.diagrams, len(body.header.clauses)
-    rows = {n: _row(body, state, _on_states(body)) for n, state in sorted(body.states.items())}
-    starts = [n for n, _ in body.header.starts]
-    initial = starts[0] if len(starts) == 1 else BEGIN
-    if len(starts) > 1:
-        rows = {BEGIN: _beginning([rows[n] for n in starts], diagrams), **rows}
-    lasting = _accepting_components(rows, sets)
-    live = _reach(_turned(_graph(rows)), lasting)
-    if initial not in live:
-        return None
-    rows = {n: _kept(row, lasting.get(n), lasting, live, diagrams) for n, row in rows.items()}
-    rows = {n: row for n, row in rows.items() if n in live}
-    choosing = {n for n, row in rows.items() if _overlap(row, diagrams) is not None}
-    _check(body, rows, initial, choosing, lasting)
-    free = _reach(_turned(_graph(rows)), choosing)
-    kinds = sorted(free & _reach(_graph(rows), [initial])), sorted(set(rows) - free)
-    return _degeneralised(rows, *kinds, lasting, initial, sets, diagrams)
+    wrong: CompileError | None = None
+    for written, initial in readings(body):
+        lasting = _accepting_components(written, sets)
+        live = _reach(_turned(_graph(written)), lasting)
+        if initial not in live:
+            return None
+        rows = {n: _kept(written[n], lasting.get(n), lasting, live, diagrams) for n in written}
+        rows = {n: row for n, row in rows.items() if n in live}
+        choosing = {n for n, row in rows.items() if _overlap(row, diagrams) is not None}
+        reached = _reach(_graph(rows), [initial])
+        choices = _reach(_graph(rows), reached & set(lasting)) & choosing
+        if choices:
+            wrong = wrong or _wrong(body, rows, min(choices))
+            continue
+        free = _reach(_turned(_graph(rows)), choosing)
+        kinds = sorted(free & reached), sorted(set(rows) - free)
+        return _degeneralised(rows, *kinds, lasting, initial, sets, diagrams)
+    assert wrong is not None
+    raise wrong
 
 
 def _graph(rows: Mapping[int, MarkedRow]) -> dict[int, list[int]]:
@@ -95,59 +90,6 @@ def _reach(graph: Mapping[int, list[int]], starts: Iterable[int]) -> set[int]:
                 found.add(target)
                 work.append(target)
     return found
-
-
-def _on_states(body: Body) -> bool:
-    """Whether marks are on states only: then the edges into them are taken as marked."""
-    return not any(state.marked for state in body.states.values())
-
-
-def _row(body: Body, state: FileState, on_states: bool) -> MarkedRow:
-    """The edges of a state; of two to one target on one letter, the marks are put together.
-
-    A run that may choose between them for ever loses nothing by having both.
-    """
-    diagrams = body.diagrams
-    together: dict[tuple[int, Marks], Node] = {}
-    for edge in state.edges:
-        diagrams.budget.tick()
-        sets = body.states[edge.target].sets if on_states else edge.sets
-        marks = 0
-        for i, clause in enumerate(body.header.clauses):
-            marks |= any((v.number in sets) != v.outside for v in clause) << i
-        key = (edge.target, marks)
-        together[key] = diagrams.disj(together.get(key, FALSE), edge.guard)
-    return _disjoint(together, diagrams)
-
-
-def _disjoint(edges: Mapping[tuple[int, Marks], Node], diagrams: Diagrams) -> MarkedRow:
-    parts: dict[int, dict[Marks, Node]] = {}
-    for (target, marks), guard in edges.items():
-        found = parts.setdefault(target, {})
-        for other, letters in list(found.items()):
-            diagrams.budget.tick()
-            both = diagrams.conj(letters, guard)
-            if both != FALSE:
-                found[other] = diagrams.minus(letters, both)
-                guard = diagrams.minus(guard, both)
-                joined = marks | other
-                found[joined] = diagrams.disj(found.get(joined, FALSE), both)
-        found[marks] = diagrams.disj(found.get(marks, FALSE), guard)
-    return {
-        (target, marks): guard
-        for target, found in parts.items()
-        for marks, guard in found.items()
-        if guard != FALSE
-    }
-
-
-def _beginning(rows: Iterable[MarkedRow], diagrams: Diagrams) -> MarkedRow:
-    """The edges of all `rows`, unmarked: nothing comes back to the beginning."""
-    together: MarkedRow = {}
-    for row in rows:
-        for (target, _), guard in row.items():
-            together[target, 0] = diagrams.disj(together.get((target, 0), FALSE), guard)
-    return together
 
 
 def _accepting_components(rows: Mapping[int, MarkedRow], sets: int) -> dict[int, int]:
@@ -196,31 +138,19 @@ def _overlap(row: MarkedRow, diagrams: Diagrams) -> tuple[int, int, Node] | None
     return None
 
 
-def _check(
-    body: Body,
-    rows: Mapping[int, MarkedRow],
-    initial: int,
-    choosing: set[int],
-    lasting: Mapping[int, int],
-) -> None:
-    """Raise CompileError AUT304 if the automaton can choose after it accepted."""
-    graph = _graph(rows)
-    accepting = _reach(graph, [initial]) & set(lasting)
-    wrong = sorted(_reach(graph, accepting) & choosing)
-    if not wrong:
-        return
-    state, diagrams = body.states[wrong[0]], body.diagrams
-    found = _overlap(rows[wrong[0]], diagrams)
+def _wrong(body: Body, rows: Mapping[int, MarkedRow], number: int) -> CompileError:
+    """AUT304: the state `number`, reached after acceptance, chooses."""
+    state, diagrams = body.states[number], body.diagrams
+    found = _overlap(rows[number], diagrams)
     assert found is not None
     first, second, letters = found
     guard = guard_text(cubes(diagrams, letters), body.header.propositions)
     edge = next(
         e for e in state.edges if e.target == second and diagrams.conj(e.guard, letters) != FALSE
     )
-    where = _shown(body, wrong[0])
-    targets = " and to ".join(str(n) for n in (first, second))
-    problem = f"after acceptance, {where} goes to {targets} on `{guard}`"
-    raise CompileError(
+    where = _shown(body, number)
+    problem = f"after acceptance, {where} goes to {first} and to {second} on `{guard}`"
+    return CompileError(
         Diagnostic.of(
             "AUT304",
             body.tokens.span(edge.place.start, edge.place.end),

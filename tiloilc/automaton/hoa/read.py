@@ -10,9 +10,10 @@ from tiloilc.automaton.bdd import TRUE, Diagrams
 from tiloilc.automaton.draft import Draft
 from tiloilc.automaton.finish import edge_based, state_based
 from tiloilc.automaton.hoa.body import Body, check_claims
-from tiloilc.automaton.hoa.general import BEGIN, Limited, limited
+from tiloilc.automaton.hoa.general import Limited, limited
 from tiloilc.automaton.hoa.header import read_header
 from tiloilc.automaton.hoa.jumps import with_jumps
+from tiloilc.automaton.hoa.rows import BEGIN
 from tiloilc.automaton.hoa.subsets import with_subsets
 from tiloilc.automaton.hoa.tokens import Tokens
 from tiloilc.automaton.ldba import Ldba
