@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -42,21 +43,18 @@ def edge_based(draft: Draft, propositions: tuple[str, ...], diagrams: Diagrams) 
 def state_based(draft: Draft, propositions: tuple[str, ...], diagrams: Diagrams) -> Ldba:
     """The automaton with accepting states, with as few copies as the marks allow.
 
-    A state entered both with and without a mark becomes two, unless all its unmarked edges lie on
-    no unmarked cycle: then a mark more changes nothing. Edges that leave a component are free.
+    A state entered both with and without a mark becomes two, unless one kind can be had for the
+    other: marks can go where every cycle has another one, and come where no cycle is unmarked.
+    Edges that leave a component are free.
     """
     component, _ = on_cycles(draft)
-    quiet = components([[t for t, mark in row if not mark] for row in draft.rows])
+    draft = _without_spare_marks(draft, component, diagrams)
+    quiet = _quiet_components(draft.rows)
     fixed: list[set[bool]] = [set() for _ in draft.rows]
-    inner = [
-        (q, t, mark)
-        for q, row in enumerate(draft.rows)
-        for t, mark in row
-        if component[q] == component[t]
-    ]
-    for q, target, mark in inner:
-        if mark or quiet[q] == quiet[target]:
-            fixed[target].add(mark)
+    for q, row in enumerate(draft.rows):
+        for target, mark in row:
+            if component[q] == component[target] and (mark or quiet[q] == quiet[target]):
+                fixed[target].add(mark)
 
     def copy_of(target: int, mark: bool) -> Copy:
         """The copy to enter: as marked if there is one, the unmarked one if it does not matter."""
@@ -72,6 +70,39 @@ def state_based(draft: Draft, propositions: tuple[str, ...], diagrams: Diagrams)
 
     start = copy_of(draft.initial, False)
     return _numbered(draft, propositions, diagrams, start, successors, jumps, edges=False)
+
+
+def _without_spare_marks(draft: Draft, component: Sequence[int], diagrams: Diagrams) -> Draft:
+    """`draft` with no marks on the edges into a state that has unmarked ones, where it may be so.
+
+    A mark may go if every cycle through its edge has another one.
+    """
+    rows = list(draft.rows)
+    for target in range(len(rows)):
+        inside = [q for q, row in enumerate(rows) if component[q] == component[target]]
+        kinds = {mark for q in inside for t, mark in rows[q] if t == target}
+        if len(kinds) < 2:
+            continue
+        bare = [
+            _unmarked_into(row, target, diagrams) if q in inside else row
+            for q, row in enumerate(rows)
+        ]
+        quiet = _quiet_components(bare)
+        if not any(quiet[q] == quiet[target] for q in inside if (target, True) in rows[q]):
+            rows = bare
+    return replace(draft, rows=tuple(rows))
+
+
+def _unmarked_into(row: Row, target: int, diagrams: Diagrams) -> Row:
+    """`row` with its edges to `target` as one without a mark."""
+    into = diagrams.disj(row.get((target, True), FALSE), row.get((target, False), FALSE))
+    others = {key: guard for key, guard in row.items() if key[0] != target}
+    return others if into == FALSE else others | {(target, False): into}
+
+
+def _quiet_components(rows: Sequence[Row]) -> list[int]:
+    """The component of each state in the graph of unmarked edges."""
+    return components([[t for t, mark in row if not mark] for row in rows])
 
 
 def _numbered(

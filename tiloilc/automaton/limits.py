@@ -29,9 +29,9 @@ class Budget:
         self._ticks = 0
         self._max_ticks: int | None = None
 
-    def share(self, max_states: int, max_ticks: int) -> Budget:
-        """A budget for a second attempt: fewer states, so many ticks, the same end of time."""
-        part = Budget(min(max_states, self.max_states), self.timeout)
+    def share(self, max_ticks: int) -> Budget:
+        """A budget for another attempt: so many ticks, the same end of time."""
+        part = Budget(self.max_states, self.timeout)
         part._deadline = self._deadline
         part._max_ticks = max_ticks
         return part

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Literal
 
@@ -28,7 +29,11 @@ Order = Literal["written", "free"]
 
 GUESSES: dict[str, type[Guess]] = {"asymmetric": AsymmetricGuess, "symmetric": SymmetricGuess}
 
-WORTH_A_SECOND = 12
+WORTH_A_GUESS = 8
+"""A deterministic automaton smaller than this is not weighed against one that guesses: an agent
+that need not guess learns more easily, unless that costs a third more of many states."""
+
+WORTH_A_SECOND = 16
 """States with jumps from which on the other construction is tried too: below, it never won."""
 
 
@@ -51,44 +56,58 @@ def translate(
     `timeout` is in seconds. Raises CompileError AUT305 when a limit is reached.
     """
     budget = Budget(max_states, timeout)
-    free = order == "free"
+    attempt = _Attempt(formula, propositions, free=order == "free")
     try:
         if construction == "auto":
-            draft, diagrams = _smaller(formula, propositions, budget, free)
+            draft, diagrams = attempt.smallest(budget)
         else:
-            guess = GUESSES[construction]
-            draft, diagrams = _construct(formula, propositions, budget, guess, free)
+            draft, diagrams = attempt.with_guesses(GUESSES[construction], budget)
         finish = state_based if acceptance == "state" else edge_based
         return finish(draft, tuple(propositions), diagrams)
     except RecursionError:
         raise too_large("its operators are nested too deeply") from None
 
 
-def _smaller(
-    formula: Formula, propositions: Sequence[str], budget: Budget, free: bool
-) -> tuple[Draft, Diagrams]:
-    """The asymmetric automaton, or the symmetric one if that is smaller and no more work."""
-    found = _construct(formula, propositions, budget, AsymmetricGuess, free)
-    if not any(found[0].jumps) or len(found[0].rows) < WORTH_A_SECOND:
-        return found
-    rest = budget.share(budget.max_states, budget.ticks)
-    try:
-        other = _construct(formula, propositions, rest, SymmetricGuess, free)
-    except CompileError:
-        if rest.is_late:
-            raise
-        return found
-    rest.release()
-    return other if len(other[0].rows) < len(found[0].rows) else found
+@dataclass(frozen=True, slots=True)
+class _Attempt:
+    """A formula to translate in one way or another; each way gives a draft and its diagrams."""
 
+    formula: Formula
+    propositions: Sequence[str]
+    free: bool
 
-def _construct(
-    formula: Formula, propositions: Sequence[str], budget: Budget, guess: type[Guess], free: bool
-) -> tuple[Draft, Diagrams]:
-    """The reduced automaton of `formula`, and the manager of its guards."""
-    diagrams = Diagrams(budget)
-    unfolding = Unfolding(Terms(propositions, budget), diagrams)
-    return reduce(build(Construction(unfolding, guess, free), formula), diagrams), diagrams
+    def smallest(self, budget: Budget) -> tuple[Draft, Diagrams]:
+        """The asymmetric automaton, or another one if that is much better and no more work."""
+        found = self.with_guesses(AsymmetricGuess, budget)
+        count, guesses = len(found[0].rows), any(found[0].jumps)
+        if guesses and count >= WORTH_A_SECOND:
+            return self._other(SymmetricGuess, False, budget, count - 1) or found
+        if not guesses and count >= WORTH_A_GUESS:
+            return self._other(AsymmetricGuess, True, budget, 3 * count // 4) or found
+        return found
+
+    def _other(
+        self, kind: type[Guess], patient: bool, budget: Budget, most: int
+    ) -> tuple[Draft, Diagrams] | None:
+        """What another way gives for as much work again; None if more than `most` states."""
+        part = budget.share(budget.ticks)
+        try:
+            found = self.with_guesses(kind, part, patient)
+        except CompileError:
+            if part.is_late:
+                raise
+            return None
+        part.release()
+        return found if len(found[0].rows) <= most else None
+
+    def with_guesses(
+        self, kind: type[Guess], budget: Budget, patient: bool = False
+    ) -> tuple[Draft, Diagrams]:
+        """The reduced automaton of one construction."""
+        diagrams = Diagrams(budget)
+        unfolding = Unfolding(Terms(self.propositions, budget), diagrams)
+        construction = Construction(unfolding, kind, patient, self.free)
+        return reduce(build(construction, self.formula), diagrams), diagrams
 
 
 def build(automaton: Construction, formula: Formula) -> Draft:

@@ -52,7 +52,7 @@ class AsymmetricGuess(Guess):
             lasting = None if below else self.lasting_part(term)
             if name in GREATEST and term in self.chosen:
                 result = self.strengthen(term)
-            elif not below and terms.is_lasting(term):
+            elif not below and terms.comes_to_stay(term):
                 result = self._keep(operands[0], below)
             elif lasting is not None:
                 result = terms.make("G", self._keep(lasting, below=True))
@@ -83,7 +83,7 @@ class AsymmetricGuess(Guess):
                     continue
             elif where != "strong" and terms.recurrence[term]:
                 continue
-            elif where == "top" and terms.is_lasting(term):
+            elif where == "top" and terms.comes_to_stay(term):
                 pass
             elif where == "top" and name in LEAST and term not in self.regenerated:
                 continue

@@ -18,7 +18,7 @@ class Guess(ABC):
     What is not chosen yet counts as in, which makes every result as weak as it can become.
     `regenerated` are the sub-formulas of what is left over that stand below a ν-operator, and so
     may be left over again and again. Any other promise is kept or broken after finitely many
-    letters, so that a jump can wait for it: left over at a jump, a µ-formula among the others counts
+    letters, so that a jump can wait for it: of the others, left over at a jump, a µ-formula counts
     as false, p W q and q R p as G p.
     """
 
@@ -56,7 +56,8 @@ class Guess(ABC):
     def for_ever(self, term: Term) -> Term:
         """The p such that the ν-formula `term` may never be broken, nor ended, if G p.
 
-        q W r and r R q are so kept by G (q & !r); if r comes again and again they are q U r and r M q.
+        q W r and r R q are so kept by G (q & !r); where r comes again and again they are q U r
+        and r M q.
         """
         terms = self.terms
         name, operands = terms.operator[term], terms.operands[term]

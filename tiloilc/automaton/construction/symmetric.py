@@ -52,7 +52,7 @@ class SymmetricGuess(Guess):
         if key not in self._weak:
             name, operands = terms.operator[term], terms.operands[term]
             lasting = None if below else self.lasting_part(term)
-            if not below and terms.is_lasting(term):
+            if not below and terms.comes_to_stay(term):
                 result = self.weaken(operands[0], below)
             elif lasting is not None:
                 result = terms.make("G", self.weaken(lasting))
@@ -97,7 +97,7 @@ class SymmetricGuess(Guess):
                     return term
                 if self.chosen[term] or name == "G":
                     continue
-            elif where == "top" and terms.is_lasting(term):
+            elif where == "top" and terms.comes_to_stay(term):
                 pass
             elif where != "strong" and name in LEAST:
                 open_ = where == "below" or term in self.regenerated

@@ -122,7 +122,7 @@ class Terms:
 
     def given(self, term: Term, literals: Sequence[Term]) -> Term:
         """`term` where `literals` hold now and for ever."""
-        known = {t: YES for t in literals} | {self.opposite(t): NO for t in literals}
+        known = dict.fromkeys(literals, YES) | {self.opposite(t): NO for t in literals}
         if not known:
             return term
         done: dict[Term, Term] = {}
@@ -195,9 +195,9 @@ class Terms:
         """Whether the truth of `term` on a word never changes as the word goes on."""
         return self.eventual[term] and self.universal[term]
 
-    def is_lasting(self, term: Term) -> bool:
-        """Whether `term` is an F p that is p from some place on, as in F G a."""
-        return self.operator[term] == "F" and self.universal[self.operands[term][0]]
+    def comes_to_stay(self, term: Term) -> bool:
+        """Whether `term` is an F p or X p that is p from some place on, as F G a is G a."""
+        return self.operator[term] in ("F", "X") and self.universal[self.operands[term][0]]
 
     def make(self, operator: str, *operands: Term) -> Term:
         """A temporal operator over `operands`."""

@@ -30,14 +30,18 @@ State = Waiting | Serving
 class Construction:
     """All states of the automaton of one formula, with the guesses of `kind`.
 
-    `free`: the goals of a chain need not come in the order in which they are written.
+    `patient`: jumps are taken also where all that is left is of the recurrence class, and could
+    be had without. `free`: the goals of a chain need not come in the written order.
     """
 
-    def __init__(self, unfolding: Unfolding, kind: type[Guess], free: bool = False) -> None:
+    def __init__(
+        self, unfolding: Unfolding, kind: type[Guess], patient: bool = False, free: bool = False
+    ) -> None:
         self.unfolding = unfolding
         self.terms = unfolding.terms
         self.breakpoints = Breakpoints(unfolding, free)
         self._kind = kind
+        self._ends_waiting = self._simple if patient else self._in_class
 
     def initial(self, formula: Term) -> State | None:
         """The first state; None if the formula is false by propositional reasoning."""
@@ -48,13 +52,20 @@ class Construction:
         unfolded = self.unfolding.step(left)
         if unfolded == FALSE:
             return None
-        if self._in_class(unfolded):
+        if self._ends_waiting(unfolded):
             return self.breakpoints.start(left, goals)
         return Waiting(self.unfolding.step_suspended(left), goals)
 
     def _in_class(self, state: Node) -> bool:
         """Whether `state` is of the recurrence class."""
         return all(self.terms.recurrence[t] for t in self.unfolding.left_over(state))
+
+    def _simple(self, state: Node) -> bool:
+        """Whether `state` is made of co-safety and safety formulas."""
+        terms = self.terms
+        return not any(
+            terms.has_least[t] and terms.has_greatest[t] for t in self.unfolding.left_over(state)
+        )
 
     def step(self, state: State) -> Hashable:
         """The step of a written chain that `state` stands for, if any."""
@@ -115,7 +126,9 @@ class Construction:
         """
         unfolding, diagrams = self.unfolding, self.unfolding.diagrams
         lower = [v for v in sorted(diagrams.support(rest)) if v >= unfolding.letters]
-        cubes = {tuple(v for v, _ in cube if v >= unfolding.letters) for cube in diagrams.cover(rest)}
+        cubes = {
+            tuple(v for v, _ in cube if v >= unfolding.letters) for cube in diagrams.cover(rest)
+        }
         parts: dict[Node, None] = {}
         mixed = FALSE
         for cube in sorted(cubes):
