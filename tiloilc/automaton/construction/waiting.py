@@ -131,7 +131,7 @@ class Construction:
         }
         parts: dict[Node, None] = {}
         mixed = FALSE
-        for cube in sorted(cubes):
+        for cube in sorted(cubes, key=lambda cube: sorted(map(unfolding.term, cube))):
             said = [unfolding.term(v) for v in cube]
             terms = self._given_literals(said)
             if NO in terms:

@@ -3,7 +3,8 @@
 An edge from a state that waits into the deterministic part becomes a jump to a state there that
 has this edge: tools expand jumps into such edges, and this finds them again.
 
-Only where waiting loses nothing (`postponed.py`). Elsewhere `subsets.py` waits with all
+Only where waiting loses nothing (`reduction/follow.py`): whoever jumps must not be made to jump too
+early, an agent has to see how things turned out first. Elsewhere `subsets.py` waits with all
 possibilities.
 """
 
@@ -14,7 +15,10 @@ from functools import partial
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
 from tiloilc.automaton.draft import Draft, Row, keep, reachable
 from tiloilc.automaton.hoa.general import Limited
-from tiloilc.automaton.hoa.postponed import Letters, Postponed, cannot_wait
+from tiloilc.automaton.reduction.follow import can_wait
+
+Letters = dict[int, Node]
+"""Letters by target; they may overlap."""
 
 FEW = 40
 """Of more jumps from one state nobody asks whether one is too many."""
@@ -35,9 +39,16 @@ def with_jumps(limited: Limited, diagrams: Diagrams) -> Draft | None:
             if diagrams.conj(seen, guard) != FALSE:
                 return None
             seen = diagrams.disj(seen, guard)
-    if not Postponed(limited, waits, leaves, diagrams).all():
-        return None
-    return _Jumps(limited, waits, leaves, diagrams).draft()
+    draft = _Jumps(limited, waits, leaves, diagrams).draft()
+    return draft if can_wait(draft, diagrams) else None
+
+
+def _cannot_wait(wait: Letters, diagrams: Diagrams) -> Node:
+    """The letters that are in none of `wait`."""
+    left = TRUE
+    for guard in wait.values():
+        left = diagrams.minus(left, guard)
+    return left
 
 
 class _Jumps:
@@ -82,7 +93,7 @@ class _Jumps:
         While it cannot wait, one of its ways out is an edge.
         """
         diagrams = self.diagrams
-        now = cannot_wait(wait, diagrams)
+        now = _cannot_wait(wait, diagrams)
         jumps = self._chosen(leave, now)
         open_ways = self._uncovered(leave, jumps)
         row: Row = {(t, False): guard for t, guard in wait.items()}

@@ -24,37 +24,50 @@ from tiloilc.automaton.reduction.letters import moves
 
 
 def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
-    """Drop jumps one after the other, those into the most states first."""
+    """Drop jumps one after the other: those into the most states first, the built ones last."""
     if not any(draft.jumps):
         return draft
-    graph = [[t for t, _ in row] for row in draft.rows]
-    waiting = waiting_states(draft)
-    ahead = sorted(reachable(graph, {t for row in draft.jumps for t in row}))
-    entered = sorted({*ahead, *(t for q in waiting for t in graph[q] if t not in waiting)})
-    pairs = [(t, u) for t in ahead for u in entered if t != u]
-    if len(pairs) > MAX_PAIRS:
+    following = _Following.of(draft, diagrams)
+    if following is None:
         return draft
+    graph = [[t for t, _ in row] for row in draft.rows]
     rank = components(graph)
     size = [len(reachable(graph, [t])) for t in range(len(graph))]
-    jumps = [list(row) for row in draft.jumps]
-    inclusion = Inclusion(draft, diagrams, pairs)
-    if not inclusion.complete:
-        return draft
-    following = _Following(draft, diagrams, inclusion, waiting, jumps)
-    _, looping = on_cycles(draft)
-    for q in sorted(waiting):
-        if looping[q]:
-            more = [
-                t for t in ahead if looping[t] and t not in jumps[q] and following.follows(q, t)
-            ]
-            jumps[q] = sorted([*jumps[q], *more])
-    candidates = [(q, t) for q, row in enumerate(jumps) for t in row]
-    for q, target in sorted(candidates, key=lambda jump: (-size[jump[1]], -rank[jump[1]], jump)):
+    jumps = following.jumps
+    _add_jumps(following, draft)
+
+    def order(jump: tuple[int, int]) -> tuple[int, bool, int, tuple[int, int]]:
+        q, target = jump
+        return -size[target], target in draft.jumps[q], -rank[target], jump
+
+    for q, target in sorted(((q, t) for q, row in enumerate(jumps) for t in row), key=order):
         jumps[q].remove(target)
         if not following.follows(q, target):
             jumps[q].append(target)
             jumps[q].sort()
     return replace(draft, jumps=tuple(tuple(row) for row in jumps))
+
+
+def _add_jumps(following: _Following, draft: Draft) -> None:
+    """Add the jumps between states on cycles that change nothing, so that others can go."""
+    _, looping = on_cycles(draft)
+    for q in sorted(following.waiting):
+        if looping[q]:
+            own = following.jumps[q]
+            more = [t for t in following.ahead if looping[t] and t not in own]
+            following.jumps[q] = sorted([*own, *(t for t in more if following.follows(q, t))])
+
+
+def can_wait(draft: Draft, diagrams: Diagrams) -> bool:
+    """Whether an agent that misses a jump loses nothing, for there are others to come.
+
+    If so, an automaton whose waiting states are deterministic is good for MDPs. Also true where it
+    would take too long to find out.
+    """
+    following = _Following.of(draft, diagrams)
+    return following is None or all(
+        following.follows(q, t, missed=True) for q, row in enumerate(draft.jumps) for t in row
+    )
 
 
 class _Edge(NamedTuple):
@@ -66,7 +79,7 @@ class _Edge(NamedTuple):
 
 
 class _Following:
-    """Whether waiting states can follow the runs of deterministic ones. `jumps` may shrink."""
+    """Whether waiting states can follow the runs of deterministic ones. `jumps` may change."""
 
     def __init__(
         self,
@@ -74,28 +87,46 @@ class _Following:
         diagrams: Diagrams,
         inclusion: Inclusion,
         waiting: set[int],
-        jumps: Sequence[Sequence[int]],
+        ahead: list[int],
     ) -> None:
+        self.jumps = [list(row) for row in draft.jumps]
+        self.waiting = waiting
+        self.ahead = ahead
         self._moves = moves(draft, diagrams) or []
         self._budget = diagrams.budget
         self._inclusion = inclusion
-        self._waiting = waiting
-        self._jumps = jumps
 
-    def follows(self, waiting: int, state: int) -> bool:
-        """Whether an agent in `waiting` gets all that it would get in `state`."""
-        index = {(waiting, state): 0}
+    @classmethod
+    def of(cls, draft: Draft, diagrams: Diagrams) -> _Following | None:
+        """For `draft`; None if it has no jumps, or too much to compare."""
+        graph = [[t for t, _ in row] for row in draft.rows]
+        waiting = waiting_states(draft)
+        ahead = sorted(reachable(graph, {t for row in draft.jumps for t in row}))
+        entered = sorted({*ahead, *(t for q in waiting for t in graph[q] if t not in waiting)})
+        pairs = [(t, u) for t in ahead for u in entered if t != u]
+        if not ahead or len(pairs) > MAX_PAIRS:
+            return None
+        inclusion = Inclusion(draft, diagrams, pairs)
+        return cls(draft, diagrams, inclusion, waiting, ahead) if inclusion.complete else None
+
+    def follows(self, waiting: int, state: int, missed: bool = False) -> bool:
+        """Whether an agent in `waiting` gets all that it would get in `state`.
+
+        `missed`: it reads a letter before it may jump.
+        """
         pairs = [(waiting, state)]
+        index = {} if missed else {(waiting, state): 0}
         graph: list[list[_Edge]] = []
         for q, t in pairs:
             edges: list[_Edge] = []
             graph.append(edges)
-            if any(self._covers(u, t) for u in self._jumps[q]):
+            waits = missed and len(graph) == 1
+            if not waits and any(self._covers(u, t) for u in self.jumps[q]):
                 continue
             for following, after, mark, letters in self._steps(q, t):
                 if following is None:
                     return False
-                if following not in self._waiting:
+                if following not in self.waiting:
                     if not self._covers(following, after):
                         return False
                     continue
@@ -131,7 +162,7 @@ class _Following:
                     n
                     for n in piece
                     if any(
-                        self._accepts_inside(graph, piece, n, u) for u in self._jumps[pairs[n][0]]
+                        self._accepts_inside(graph, piece, n, u) for u in self.jumps[pairs[n][0]]
                     )
                 }
                 if not good:
