@@ -5,13 +5,17 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import get_type_hints
 
 import jsonschema
 import pytest
 
 from tests.cli.running import Run, runner
 from tests.driver.specs import spec
+from tiloilc import automaton
+from tiloilc.cli import translate as cli_translate
 from tiloilc.diag import RULES
 
 
@@ -185,6 +189,36 @@ def test_translate_adds_the_sink_when_asked(run: Run) -> None:
 
 def test_translate_marks_edges_when_asked(run: Run) -> None:
     assert "States: 3\n" in run("translate", CHAIN, "--acceptance", "edge")[1]
+
+
+@pytest.mark.parametrize("choice", ["Acceptance", "Construction", "Order"])
+def test_translate_offers_the_choices_of_the_translator(choice: str) -> None:
+    hints = get_type_hints(automaton.translate)
+    assert getattr(cli_translate, choice) == hints[choice.lower()]
+
+
+def test_translate_passes_its_options_on(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[dict[str, object]] = []
+
+    def watched(*formula: object, **options: object) -> automaton.Ldba:
+        asked.append(options)
+        return translator(*formula, **options)
+
+    translator: Callable[..., automaton.Ldba] = automaton.translate
+    monkeypatch.setattr(automaton, "translate", watched)
+    options = ["--acceptance", "edge", "--construction", "symmetric", "--order", "free"]
+    limits = ["--max-states", "77", "--timeout", "5.5"]
+    assert run("translate", "F G a", *options, *limits)[0] == 0
+    assert asked == [
+        {
+            "acceptance": "edge",
+            "construction": "symmetric",
+            "order": "free",
+            "max_states": 77,
+            "timeout": 5.5,
+        }
+    ]
+    assert run("translate", "F G a", "--construction", "other")[0] == 2
 
 
 def test_translate_writes_json_and_dot(run: Run) -> None:

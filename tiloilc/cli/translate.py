@@ -33,11 +33,10 @@ class Format(StrEnum):
     CSV = "csv"
 
 
-class Acceptance(StrEnum):
-    """What is accepting."""
-
-    STATE = "state"
-    EDGE = "edge"
+Acceptance = Literal["state", "edge"]
+Construction = Literal["auto", "asymmetric", "symmetric"]
+Order = Literal["written", "free"]
+"""The choices of `tiloilc.automaton.translate`, which is not imported to show the help."""
 
 
 @dataclass(frozen=True)
@@ -45,14 +44,11 @@ class _Job:
     """What is asked of each formula. The limits are the translator's own where None."""
 
     acceptance: Acceptance
+    construction: Construction
+    order: Order
     names: str | None
     max_states: int | None
     timeout: float | None
-
-    @property
-    def marks(self) -> Literal["state", "edge"]:
-        """Where the acceptance marks go."""
-        return "edge" if self.acceptance is Acceptance.EDGE else "state"
 
     def translate(self, parsed: Parsed) -> Ldba:
         from tiloilc.automaton import translate
@@ -61,7 +57,9 @@ class _Job:
         return translate(
             parsed.formula,
             parsed.propositions,
-            acceptance=self.marks,
+            acceptance=self.acceptance,
+            construction=self.construction,
+            order=self.order,
             max_states=self.max_states or MAX_STATES,
             timeout=self.timeout or TIMEOUT,
         )
@@ -74,7 +72,13 @@ def command(
         typer.Option(help="Formulas, one a line, instead of one.", exists=True, dir_okay=False),
     ] = None,
     format: Annotated[Format, typer.Option(help="csv: a table of sizes.")] = Format.HOA,
-    acceptance: Annotated[Acceptance, typer.Option(help="On states or edges.")] = Acceptance.STATE,
+    acceptance: Annotated[Acceptance, typer.Option(help="On states or edges.")] = "state",
+    construction: Annotated[
+        Construction, typer.Option(help="What ε-jumps guess; auto: the smaller automaton.")
+    ] = "auto",
+    order: Annotated[
+        Order, typer.Option(help="free: steps of a cycle need not be taken as they are written.")
+    ] = "written",
     complete: Annotated[
         bool, typer.Option(help="With the sink, so that every letter has an edge (hoa).")
     ] = False,
@@ -91,7 +95,7 @@ def command(
     """
     if (formula is None) == (file is None):
         raise fail("give a formula, or --file FORMULAS")
-    job = _Job(acceptance, propositions, max_states, timeout)
+    job = _Job(acceptance, construction, order, propositions, max_states, timeout)
     texts = [Written(formula)] if formula is not None else []
     if file is not None:
         texts = _formulas(file)
@@ -127,7 +131,7 @@ def _one(text: Written, format: Format, complete: bool, job: _Job) -> bool:
         show(error.diagnostics, text)
         return False
     if format is Format.HOA:
-        sys.stdout.write(to_hoa(ldba, name=text.name, complete=complete, acceptance=job.marks))
+        sys.stdout.write(to_hoa(ldba, name=text.name, complete=complete, acceptance=job.acceptance))
     elif format is Format.DOT:
         sys.stdout.write(to_dot(ldba, title=text.name))
     else:
