@@ -8,7 +8,8 @@ import pytest
 from tests.strategies import random_formula
 from tiloilc.automaton import accepts, satisfying_word, translate
 from tiloilc.automaton.language.classes import formula_class, hierarchy_class
-from tiloilc.automaton.language.compare import equivalent, irrelevant_propositions
+from tiloilc.automaton.language.compare import irrelevant_propositions
+from tiloilc.automaton.language.questions import equivalent, small_budget
 from tiloilc.automaton.language.shortest import shortest_word
 from tiloilc.diag import CompileError
 from tiloilc.ltl import Lasso, holds, parse, to_text
@@ -155,6 +156,6 @@ def test_a_word_too_long_to_search_for_is_the_known_one() -> None:
 
 def test_equivalence_and_idle_propositions() -> None:
     chain, both = parse("G F (a & X F b)").formula, parse("G F a & G F b").formula
-    assert equivalent(chain, both, NAMES)
-    assert not equivalent(chain, parse("G F a").formula, NAMES)
+    assert equivalent(chain, both, NAMES, small_budget())
+    assert not equivalent(chain, parse("G F a").formula, NAMES, small_budget())
     assert list(irrelevant_propositions(parse("F a | F (a & b)").formula, NAMES)) == ["b"]

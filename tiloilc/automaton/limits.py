@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 from tiloilc.diag import CompileError, Diagnostic
@@ -28,6 +29,11 @@ class Budget:
         self._deadline = time.monotonic() + timeout
         self._ticks = 0
         self._max_ticks: int | None = None
+
+    @classmethod
+    def of_work(cls, max_states: int, max_ticks: int) -> Budget:
+        """A budget without a clock: what it allows is the same on every machine."""
+        return cls(max_states, math.inf).share(max_ticks)
 
     def share(self, max_ticks: int) -> Budget:
         """A budget for another attempt: so many ticks, the same end of time."""

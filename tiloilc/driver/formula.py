@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from tiloilc.automaton import is_empty, satisfying_word, translate
+from tiloilc.automaton import is_empty, translate
 from tiloilc.automaton.language.compare import irrelevant_propositions
+from tiloilc.automaton.language.questions import is_satisfiable, small_budget
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import CompileError, Diagnostic, Span
 from tiloilc.driver.vacuity import irrelevant_parts
 from tiloilc.ltl import Parsed, Syntax, propositions_of, to_text
 from tiloilc.ltl.ast import Always, And, Eventually, Formula, Next, Not
-
-TAUTOLOGY_STATES = 500
-TAUTOLOGY_SECONDS = 2.0
-"""Beyond these nobody asks whether a formula is always true: it is not written that large."""
 
 
 def translated(parsed: Parsed, span: Span) -> Ldba:
@@ -53,15 +50,9 @@ def meaning(parsed: Parsed, ldba: Ldba, span: Span) -> Iterator[Diagnostic]:
 def is_tautology(formula: Formula) -> bool:
     """Whether every word satisfies `formula`; False where that would take too long to say."""
     try:
-        refuting = satisfying_word(
-            Not(formula),
-            propositions_of(formula),
-            max_states=TAUTOLOGY_STATES,
-            timeout=TAUTOLOGY_SECONDS,
-        )
+        return not is_satisfiable(Not(formula), propositions_of(formula), small_budget())
     except CompileError:
         return False
-    return refuting is None
 
 
 def chains(syntax: Syntax) -> Iterator[Syntax]:

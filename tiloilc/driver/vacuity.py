@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from tiloilc.automaton import difference_word
+from tiloilc.automaton.language.questions import implies, small_budget
+from tiloilc.automaton.limits import Budget
 from tiloilc.diag import CompileError
 from tiloilc.ltl import Syntax
 from tiloilc.ltl.ast import FALSE, TRUE, Constant, Formula
 
 MAX_PARTS = 40
-MAX_STATES = 200
-SECONDS = 0.5
-SECONDS_IN_ALL = 2.0
-"""Beyond these nobody asks: a comparison takes milliseconds on formulas that people write."""
+"""Of more parts nobody asks."""
 
 DOWN, BOTH, UP = -1, 0, 1
 """Polarity: the formula gets weaker with a part (UP), stronger (DOWN), or nothing is known."""
@@ -30,21 +27,19 @@ def irrelevant_parts(syntax: Syntax, propositions: Sequence[str]) -> list[tuple[
     """
     places = list(_places(syntax))
     found: dict[int, tuple[Syntax, Formula]] = {}
-    until = time.monotonic() + SECONDS_IN_ALL
+    budget = small_budget()
     while len(places) <= MAX_PARTS:
         before = set(found)
         for place, polarity in places:
             if isinstance(place.formula, Constant) or _within(place, found.values()):
                 continue
             try:
-                value = _replacement(syntax, place, polarity, found, propositions)
+                value = _replacement(syntax, place, polarity, found, propositions, budget)
             except CompileError:
                 return _in_order(found)
             if value is not None:
                 found = {key: kept for key, kept in found.items() if not _holds(place, kept[0])}
                 found[id(place)] = place, value
-            if time.monotonic() > until:
-                return _in_order(found)
         if before == set(found):
             break
     return _in_order(found)
@@ -84,19 +79,25 @@ def _replacement(
     polarity: int,
     found: dict[int, tuple[Syntax, Formula]],
     names: Sequence[str],
+    budget: Budget,
 ) -> Constant | None:
     """What may stand at `place`, beside what was `found`. Raises CompileError AUT305."""
     replaced = {key: value for key, (_, value) in found.items()}
     current = _over(syntax, replaced)
     for value in (FALSE, TRUE):
         changed = _over(syntax, {**replaced, id(place): value})
-        if _same(current, changed, polarity, value, names):
+        if _same(current, changed, polarity, value, names, budget):
             return value
     return None
 
 
 def _same(
-    formula: Formula, changed: Formula, polarity: int, value: Constant, names: Sequence[str]
+    formula: Formula,
+    changed: Formula,
+    polarity: int,
+    value: Constant,
+    names: Sequence[str],
+    budget: Budget,
 ) -> bool:
     """Whether `changed`, with `value` for a part of `polarity`, still means the same.
 
@@ -106,10 +107,7 @@ def _same(
     if polarity != BOTH:
         weaker = (polarity == UP) == value.value
         pairs = [(changed, formula)] if weaker else [(formula, changed)]
-    return all(
-        difference_word(left, right, names, max_states=MAX_STATES, timeout=SECONDS) is None
-        for left, right in pairs
-    )
+    return all(implies(left, right, names, budget) for left, right in pairs)
 
 
 def _holds(outer: Syntax, inner: Syntax) -> bool:

@@ -22,8 +22,8 @@ from tiloilc.ltl.ast import Formula
 from tiloilc.ltl.hierarchy import Hierarchy, syntactic_class
 
 MAX_RUNS = 2_000
-SECONDS = 2.0
-"""Of the parity automaton: beyond, the class is not decided."""
+MAX_TICKS = 50_000
+"""Of the parity automaton, and of the work for it: beyond, the class is not decided."""
 
 Runs = tuple[int, ...]
 """The states of all runs, the oldest first. With one that stands still where it may jump."""
@@ -64,14 +64,13 @@ class _Parity:
         return self.reaching(chain.from_iterable(ends))
 
 
-def hierarchy_class(
-    ldba: Ldba, *, max_states: int = MAX_RUNS, timeout: float = SECONDS
-) -> Hierarchy:
+def hierarchy_class(ldba: Ldba, *, max_states: int = MAX_RUNS) -> Hierarchy:
     """The least class that the language of `ldba` is in.
 
     Raises CompileError AUT305 where a limit is reached.
     """
-    parity = _Determiniser(ldba, Diagrams(Budget(max_states, timeout))).parity()
+    diagrams = Diagrams(Budget.of_work(max_states, MAX_TICKS))
+    parity = _Determiniser(ldba, diagrams).parity()
     return Hierarchy.least(
         safety=_is_closed(parity, 0),
         guarantee=_is_closed(parity, 1),

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 
+from tiloilc.automaton.language.questions import equivalent, small_budget
 from tiloilc.automaton.language.words import accepted_word
 from tiloilc.automaton.limits import MAX_STATES, TIMEOUT
 from tiloilc.automaton.translate import translate
@@ -24,10 +24,7 @@ from tiloilc.ltl.ast import (
 )
 
 RELEVANCE_NAMES = 40
-RELEVANCE_STATES = 200
-RELEVANCE_SECONDS = 0.5
-RELEVANCE_SECONDS_IN_ALL = 2.0
-"""Beyond these nobody asks which propositions matter."""
+"""Of more propositions nobody asks which matter."""
 
 
 def satisfying_word(
@@ -68,27 +65,14 @@ def irrelevant_propositions(formula: Formula, propositions: Sequence[str]) -> It
 
     Ends early where the comparison would take too long.
     """
-    until = time.monotonic() + RELEVANCE_SECONDS_IN_ALL
+    budget = small_budget()
     names = propositions_of(formula)
     for name in names if len(names) <= RELEVANCE_NAMES else ():
         try:
-            if equivalent(formula, _always_true(formula, name), propositions):
+            if equivalent(formula, _always_true(formula, name), propositions, budget):
                 yield name
         except CompileError:
             return
-        if time.monotonic() > until:
-            return
-
-
-def equivalent(left: Formula, right: Formula, propositions: Sequence[str]) -> bool:
-    """Whether no word tells the two apart, within small limits. Raises CompileError AUT305."""
-    return all(
-        difference_word(
-            one, other, propositions, max_states=RELEVANCE_STATES, timeout=RELEVANCE_SECONDS
-        )
-        is None
-        for one, other in ((left, right), (right, left))
-    )
 
 
 def _always_true(formula: Formula, name: str) -> Formula:

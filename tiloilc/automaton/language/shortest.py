@@ -32,7 +32,7 @@ from tiloilc.ltl.ast import (
 MAX_LETTERS = 6
 MAX_VARIABLES = 48
 MAX_STATES = 500
-SECONDS = 1.0
+MAX_TICKS = 20_000
 """Beyond these the word that is known will do."""
 
 
@@ -41,13 +41,13 @@ def shortest_word(formula: Formula, propositions: Sequence[str], known: Lasso) -
 
     Of equally short words one with a short loop. `known` itself where that would take too long.
     """
-    normal = nnf(formula)
+    normal, budget = nnf(formula), Budget.of_work(MAX_STATES, MAX_TICKS)
     try:
         for length in range(1, min(len(known.letters), MAX_LETTERS) + 1):
             if length * len(propositions) > MAX_VARIABLES:
                 break
             for loop in range(1, length + 1):
-                found = _Words(length, length - loop, propositions).first(normal)
+                found = _Words(length, length - loop, propositions, budget).first(normal)
                 if found is not None:
                     return Lasso(found[: length - loop], found[length - loop :])
     except CompileError:
@@ -58,10 +58,10 @@ def shortest_word(formula: Formula, propositions: Sequence[str], known: Lasso) -
 class _Words:
     """All words with `length` letters, of which those from `back` on are the loop."""
 
-    def __init__(self, length: int, back: int, propositions: Sequence[str]) -> None:
+    def __init__(self, length: int, back: int, propositions: Sequence[str], budget: Budget) -> None:
         self.length, self.back = length, back
         self.names = {name: i for i, name in enumerate(propositions)}
-        self.diagrams = Diagrams(Budget(MAX_STATES, SECONDS))
+        self.diagrams = Diagrams(budget)
 
     def first(self, formula: Formula) -> tuple[int, ...] | None:
         """The letters of a word that satisfies `formula` with the fewest true propositions."""
