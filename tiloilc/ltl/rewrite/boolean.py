@@ -1,4 +1,8 @@
-"""Rules for & and |. Each comes with its dual; operands keep the written order."""
+"""Rules for & and |. Each comes with its dual; operands keep the written order.
+
+Normal forms are flat and without constants and repetitions: `conjunction` and `disjunction` see to
+it, so no rule need.
+"""
 
 from __future__ import annotations
 
@@ -23,16 +27,6 @@ from tiloilc.ltl.ast import (
 )
 from tiloilc.ltl.fragments import is_eventual, is_suspendable, is_universal
 from tiloilc.ltl.rewrite.implication import covers, excludes, implies, negated
-
-
-def flatten(f: Formula) -> Formula:
-    """`a & (b & a) & true` to `a & b`."""
-    match f:
-        case And(operands):
-            return conjunction(operands)
-        case Or(operands):
-            return disjunction(operands)
-    return f
 
 
 def contradiction(f: Formula) -> Formula:

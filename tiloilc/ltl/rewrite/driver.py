@@ -21,7 +21,6 @@ from tiloilc.ltl.rewrite import boolean, temporal
 Rule = Callable[[Formula], Formula]
 
 RULES: tuple[Rule, ...] = (
-    boolean.flatten,
     temporal.constants,
     temporal.idempotence,
     temporal.next_outwards,
