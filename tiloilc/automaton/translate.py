@@ -15,7 +15,7 @@ from tiloilc.automaton.construction.symmetric import SymmetricGuess
 from tiloilc.automaton.construction.terms import Terms
 from tiloilc.automaton.construction.unfolding import Unfolding
 from tiloilc.automaton.construction.waiting import Construction, State, Waiting
-from tiloilc.automaton.draft import Draft, Row
+from tiloilc.automaton.draft import Draft, Row, reachable
 from tiloilc.automaton.finish import edge_based, state_based
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.automaton.limits import MAX_STATES, TIMEOUT, Budget, too_large
@@ -33,7 +33,10 @@ WORTH_A_GUESS = 8
 """A deterministic automaton smaller than this is not weighed against one that guesses: an agent
 that need not guess learns more easily, unless that costs a third more of many states."""
 
-WORTH_A_SECOND = 16
+WORTH_THE_WORK = 3
+"""Times the work of the first construction that another one may take."""
+
+WORTH_A_SECOND = 8
 """States with jumps from which on the other construction is tried too: below, it never won."""
 
 
@@ -80,9 +83,9 @@ class _Attempt:
         """The asymmetric automaton, or another one if that is much better and no more work."""
         found = self.with_guesses(AsymmetricGuess, budget)
         count, guesses = len(found[0].rows), any(found[0].jumps)
-        if guesses and count >= WORTH_A_SECOND:
+        if guesses and count >= WORTH_A_SECOND and _beyond_jumps(found[0]) > 1:
             return self._other(SymmetricGuess, False, budget, count - 1) or found
-        if not guesses and count >= WORTH_A_GUESS:
+        if not guesses and count >= WORTH_A_GUESS and self._offers_a_choice(budget):
             return self._other(AsymmetricGuess, True, budget, 3 * count // 4) or found
         return found
 
@@ -90,7 +93,7 @@ class _Attempt:
         self, kind: type[Guess], patient: bool, budget: Budget, most: int
     ) -> tuple[Draft, Diagrams] | None:
         """What another way gives for as much work again; None if more than `most` states."""
-        part = budget.share(budget.ticks)
+        part = budget.share(WORTH_THE_WORK * budget.ticks)
         try:
             found = self.with_guesses(kind, part, patient)
         except CompileError:
@@ -100,14 +103,29 @@ class _Attempt:
         part.release()
         return found if len(found[0].rows) <= most else None
 
+    def _offers_a_choice(self, budget: Budget) -> bool:
+        construction = self._construction(AsymmetricGuess, budget, patient=True)
+        return construction.offers_a_choice(construction.terms.of(self.formula))
+
     def with_guesses(
         self, kind: type[Guess], budget: Budget, patient: bool = False
     ) -> tuple[Draft, Diagrams]:
         """The reduced automaton of one construction."""
-        diagrams = Diagrams(budget)
-        unfolding = Unfolding(Terms(self.propositions, budget), diagrams)
-        construction = Construction(unfolding, kind, patient, self.free)
+        construction = self._construction(kind, budget, patient)
+        diagrams = construction.unfolding.diagrams
         return reduce(build(construction, self.formula), diagrams), diagrams
+
+    def _construction(
+        self, kind: type[Guess], budget: Budget, patient: bool = False
+    ) -> Construction:
+        unfolding = Unfolding(Terms(self.propositions, budget, patient), Diagrams(budget))
+        return Construction(unfolding, kind, patient, self.free)
+
+
+def _beyond_jumps(draft: Draft) -> int:
+    """How many states are reached by jumps only: all that another kind of guesses can change."""
+    graph = [list(dict.fromkeys(t for t, _ in row)) for row in draft.rows]
+    return len(draft.rows) - len(reachable(graph, [draft.initial]))
 
 
 def build(automaton: Construction, formula: Formula) -> Draft:

@@ -36,6 +36,7 @@ class Breakpoints:
 
     def __init__(self, unfolding: Unfolding, free: bool = False) -> None:
         self.unfolding = unfolding
+        self.written: frozenset[Term] = frozenset()
         self._free = free
         self.terms = unfolding.terms
         self._splits: dict[tuple[Node, ...], Split] = {}
@@ -132,18 +133,12 @@ class Breakpoints:
         """`promise` split by the formulas G x of `left` whose sub-formulas it is made of.
 
         Where these have no promise in common, each can be waited for in its turn. What is not of
-        one of them has number 0; a promise of two sources makes them one.
+        one of them has number 0; a promise of two sources makes them one, and so does any other
+        part of `left` that may promise "F b or F c" again and again: whoever is waited for must not
+        change with what is promised just now, or else some turn might be passed over for ever.
         """
-        diagrams, terms = self.unfolding.diagrams, self.terms
-        owner: dict[int, int] = {}
-        for variable in sorted(diagrams.support(left)):
-            term = self.unfolding.term(variable)
-            if terms.universal[term] and diagrams.assign(left, {variable: False}) == FALSE:
-                own = self._promising(term)
-                joined = {owner[t] for t in own if t in owner}
-                number = min([*joined, term])
-                owner.update((t, number) for t in own)
-                owner.update((t, number) for t, other in owner.items() if other in joined)
+        diagrams = self.unfolding.diagrams
+        owner = self._owners(left)
         support = sorted(diagrams.support(promise))
         source = {v: owner.get(self.unfolding.term(v), 0) for v in support}
         for clause in diagrams.cover(diagrams.negate(promise)):
@@ -155,13 +150,29 @@ class Breakpoints:
             parts.append((number, self.unfolding.step(diagrams.assign(promise, others))))
         return parts
 
+    def _owners(self, left: Node) -> dict[Term, int]:
+        """The source of each promise that the clauses of `left` with a ν-operator may make."""
+        diagrams, terms = self.unfolding.diagrams, self.terms
+        groups: list[tuple[frozenset[Term], list[Term]]] = []
+        for clause in diagrams.cover(diagrams.negate(left)):
+            parts = [self.unfolding.term(v) for v, _ in clause]
+            if all(self._is_pure(t) for t in parts):
+                continue
+            own = frozenset[Term]().union(*map(self._promising, parts))
+            sources = parts if len(parts) == 1 and terms.universal[parts[0]] else []
+            met = [group for group in groups if group[0] & own]
+            groups = [group for group in groups if not group[0] & own]
+            own = own.union(*(others for others, _ in met))
+            groups.append((own, [*sources, *(t for _, found in met for t in found)]))
+        return {t: min(sources, default=0) for own, sources in groups for t in own}
+
     def _promising(self, term: Term) -> frozenset[Term]:
-        """The sub-formulas of `term` with µ-operators, `term` itself left out."""
+        """The sub-formulas of `term` with µ-operators, and what they promise."""
         found = self._parts.get(term)
         if found is None:
-            inner = self.terms.operands[term]
-            below = frozenset().union(*(self._promising(t) for t in inner))
-            found = below | {t for t in inner if self.terms.has_least[t]}
+            found = frozenset().union(*map(self._promising, self.terms.operands[term]))
+            if self.terms.has_least[term]:
+                found |= {term, self._promise(term)} - {YES}
             self._parts[term] = found
         return found
 
@@ -242,7 +253,8 @@ class Breakpoints:
         if state.turn <= 0 or not state.goals or self._free:
             return None
         goal = state.goals[state.turn - 1]
-        return (goal, state.promise) if self.terms.has_least[goal] else None
+        written = goal in self.written and self.terms.has_least[goal]
+        return (goal, state.promise) if written else None
 
     def pending(self, state: Serving) -> Node | None:
         """What the turn waits for, unless the state's ξ and goals already say it."""

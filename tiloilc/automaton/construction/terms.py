@@ -6,7 +6,7 @@ are, so that the construction never meets `F F a` or `X G F a`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import NewType
 
@@ -41,9 +41,13 @@ _LETTER_OF: dict[type[object], str] = {
 
 
 class Terms:
-    """The terms of one translation. Every list is indexed by term."""
+    """The terms of one translation. Every list is indexed by term.
 
-    def __init__(self, propositions: Sequence[str], budget: Budget) -> None:
+    `choices`: GF p | GF q stays a choice between two goals, where it could be one goal p | q.
+    """
+
+    def __init__(self, propositions: Sequence[str], budget: Budget, choices: bool = False) -> None:
+        self._choices = choices
         self.propositions = tuple(propositions)
         self.budget = budget
         self.operator: list[str] = []
@@ -56,6 +60,10 @@ class Terms:
         self._index: dict[tuple[str, tuple[Term, ...]], Term] = {}
         self._add("false", ())
         self._add("true", ())
+
+    def __iter__(self) -> Iterator[Term]:
+        """All terms so far."""
+        return map(Term, range(len(self.operator)))
 
     def _add(self, operator: str, operands: tuple[Term, ...]) -> Term:
         key = (operator, operands)
@@ -186,7 +194,7 @@ class Terms:
         Goals only where they take a bounded number of letters: longer ones go their own ways.
         """
         if junction == "or":
-            goal = self.goal(term)
+            goal = None if self._choices else self.goal(term)
             return goal is not None and not self.has_least[goal]
         inner = self.operands[term][:1]
         return self.operator[term] == "F" and [self.operator[t] for t in inner] == ["G"]

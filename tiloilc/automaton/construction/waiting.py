@@ -45,7 +45,18 @@ class Construction:
 
     def initial(self, formula: Term) -> State | None:
         """The first state; None if the formula is false by propositional reasoning."""
+        goals = map(self.terms.goal, self.terms)
+        self.breakpoints.written = frozenset(q for q in goals if q is not None)
         return self._enter(self.unfolding.later(formula), ())
+
+    def offers_a_choice(self, formula: Term) -> bool:
+        """Whether `formula` has alternatives that are settled in the long run, as GF a | GF b."""
+        left, _ = self.breakpoints.settle(self.unfolding.later(formula), ())
+        term = self.unfolding.term
+        cubes = self.unfolding.diagrams.cover(left)
+        return len(cubes) > 1 and all(
+            any(self.terms.suspendable(term(v)) for v, _ in cube) for cube in cubes
+        )
 
     def _enter(self, rest: Node, goals: Goals) -> State | None:
         left, goals = self.breakpoints.settle(rest, goals)
@@ -97,26 +108,40 @@ class Construction:
             return []
         wanted = [goal for goal in goals if goal != YES]
         together = tuple(dict.fromkeys([*state.goals, *wanted]))
-        lasting, mixed = self._alternatives(rest, guess.regenerated)
+        unfolded = not self._is_suspended(state.rest)
+        lasting, mixed = self._alternatives(rest, guess.regenerated, unfolded)
         targets = [
             self.breakpoints.start(*self.breakpoints.settle(left, together)) for left in lasting
         ]
-        return targets if mixed == FALSE else [*targets, self.breakpoints.resume(mixed, together)]
+        if mixed != FALSE:
+            mixed = mixed if unfolded else self.unfolding.step(mixed)
+            targets.append(self.breakpoints.resume(mixed, together))
+        return targets
 
     def _remainder(self, rest: Node, guess: Guess) -> Node:
         """What must hold from now on if `guess` is right; what was suspended is so no more."""
         unfolding, terms = self.unfolding, self.terms
+        at_once = unfolding.later if self._is_suspended(rest) else unfolding.unfold
 
         def value(term: Term) -> Node:
             now = guess.now(term)
-            return unfolding.unfold(now) if terms.suspendable(term) else unfolding.later(now)
+            return at_once(now) if terms.suspendable(term) else unfolding.later(now)
 
         left = unfolding.put(rest, value)
         for term in guess.always():
-            left = unfolding.diagrams.conj(left, unfolding.unfold(terms.make("G", term)))
+            left = unfolding.diagrams.conj(left, at_once(terms.make("G", term)))
         return left
 
-    def _alternatives(self, rest: Node, regenerated: frozenset[Term]) -> tuple[list[Node], Node]:
+    def _is_suspended(self, rest: Node) -> bool:
+        """Whether no letter matters to `rest`, only the long run: it need not be unfolded."""
+        unfolding = self.unfolding
+        return min(unfolding.diagrams.support(rest)) >= unfolding.letters and all(
+            self.terms.suspendable(term) for term in unfolding.left_over(rest)
+        )
+
+    def _alternatives(
+        self, rest: Node, regenerated: frozenset[Term], unfolded: bool
+    ) -> tuple[list[Node], Node]:
         """`rest` as alternatives that a jump may choose from: one of `G a | G b` each.
 
         An alternative stands alone, as what is left from now on, where formulas that, once true,
@@ -138,9 +163,11 @@ class Construction:
                 continue
             lasting = self._later([t for t in said if self.terms.universal[t]])
             left = self._later([t for t in terms if self.terms.universal[t]])
+            if unfolded:
+                lasting = unfolding.step(lasting)
             passing = [t for t in terms if not self.terms.universal[t]]
             letters = diagrams.assign(rest, {v: v in cube for v in lower})
-            if diagrams.implies(unfolding.step(lasting), rest) or (
+            if diagrams.implies(lasting, rest) or (
                 not passing and diagrams.implies(unfolding.step(left), letters)
             ):
                 parts[left] = None

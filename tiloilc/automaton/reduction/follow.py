@@ -27,7 +27,7 @@ def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
     """Drop jumps one after the other: those into the most states first, the built ones last."""
     if not any(draft.jumps):
         return draft
-    following = _Following.of(draft, diagrams)
+    following = Following.of(draft, diagrams)
     if following is None:
         return draft
     graph = [[t for t, _ in row] for row in draft.rows]
@@ -48,7 +48,7 @@ def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
     return replace(draft, jumps=tuple(tuple(row) for row in jumps))
 
 
-def _add_jumps(following: _Following, draft: Draft) -> None:
+def _add_jumps(following: Following, draft: Draft) -> None:
     """Add the jumps between states on cycles that change nothing, so that others can go."""
     _, looping = on_cycles(draft)
     for q in sorted(following.waiting):
@@ -64,7 +64,7 @@ def can_wait(draft: Draft, diagrams: Diagrams) -> bool:
     If so, an automaton whose waiting states are deterministic is good for MDPs. Also true where it
     would take too long to find out.
     """
-    following = _Following.of(draft, diagrams)
+    following = Following.of(draft, diagrams)
     return following is None or all(
         following.follows(q, t, missed=True) for q, row in enumerate(draft.jumps) for t in row
     )
@@ -78,7 +78,7 @@ class _Edge(NamedTuple):
     letters: int
 
 
-class _Following:
+class Following:
     """Whether waiting states can follow the runs of deterministic ones. `jumps` may change."""
 
     def __init__(
@@ -97,14 +97,12 @@ class _Following:
         self._inclusion = inclusion
 
     @classmethod
-    def of(cls, draft: Draft, diagrams: Diagrams) -> _Following | None:
+    def of(cls, draft: Draft, diagrams: Diagrams) -> Following | None:
         """For `draft`; None if it has no jumps, or too much to compare."""
-        graph = [[t for t, _ in row] for row in draft.rows]
         waiting = waiting_states(draft)
-        ahead = sorted(reachable(graph, {t for row in draft.jumps for t in row}))
-        entered = sorted({*ahead, *(t for q in waiting for t in graph[q] if t not in waiting)})
-        pairs = [(t, u) for t in ahead for u in entered if t != u]
-        if not ahead or len(pairs) > MAX_PAIRS:
+        ahead = [q for q in range(len(draft.rows)) if q not in waiting]
+        pairs = [(t, u) for t in ahead for u in ahead if t != u]
+        if not waiting or len(pairs) > MAX_PAIRS:
             return None
         inclusion = Inclusion(draft, diagrams, pairs)
         return cls(draft, diagrams, inclusion, waiting, ahead) if inclusion.complete else None

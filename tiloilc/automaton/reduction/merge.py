@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache, partial
 
 from tiloilc.automaton.bdd import Diagrams
 from tiloilc.automaton.draft import Draft, on_cycles
+from tiloilc.automaton.reduction.follow import Following
 from tiloilc.automaton.reduction.inclusion import MAX_PAIRS, Inclusion
 from tiloilc.automaton.reduction.jumps import waiting_states
 from tiloilc.automaton.reduction.quotient import merged_row
@@ -15,19 +17,28 @@ def merge_by_language(draft: Draft, diagrams: Diagrams) -> Draft:
     """Lead what enters a state to one of the same language further on, if there is one.
 
     Only towards deterministic states of a component that comes later in a fixed order, so that a
-    run is redirected finitely often. A waiting state whose jump covers its language becomes that
-    jump's target: there was nothing to guess.
+    run is redirected finitely often. A waiting state becomes one that accepts the same without a
+    jump: there was nothing to guess.
     """
     component, looping = on_cycles(draft)
     waiting = waiting_states(draft)
     fixed = [q for q in range(len(draft.rows)) if q not in waiting]
-    pairs = [(q, t) for q in sorted(waiting) for t in draft.jumps[q]]
+    pairs = [(q, t) for q in sorted(waiting) for t in fixed]
     pairs += [(q, t) for q in fixed for t in fixed if component[q] != component[t]]
     if len(pairs) > MAX_PAIRS:
         return draft
     inclusion = Inclusion(draft, diagrams, pairs)
     known = set(pairs)
+    following = cache(partial(Following.of, draft, diagrams))
     block = list(range(len(draft.rows)))
+
+    def covers(q: int, t: int) -> bool:
+        """Whether q accepts all that t accepts."""
+        if q not in waiting:
+            return inclusion.holds(t, q)
+        follower = None if t in draft.jumps[q] else following()
+        return t in draft.jumps[q] or (follower is not None and follower.follows(q, t))
+
     for q in block:
         same = [
             t
@@ -35,7 +46,7 @@ def merge_by_language(draft: Draft, diagrams: Diagrams) -> Draft:
             if (q, t) in known
             and component[t] < component[q]
             and inclusion.holds(q, t)
-            and (q in waiting or inclusion.holds(t, q))
+            and covers(q, t)
         ]
         if same:
             block[q] = min(same, key=lambda t: (component[t], not looping[t], t))

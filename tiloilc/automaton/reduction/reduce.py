@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import cycle, islice
 
 from tiloilc.automaton.bdd import Diagrams
 from tiloilc.automaton.draft import Draft
@@ -33,12 +34,13 @@ PASSES: tuple[Pass, ...] = (
 
 
 def reduce(draft: Draft, diagrams: Diagrams) -> Draft:
-    """Run all passes until nothing gets smaller."""
-    for _ in range(MAX_ROUNDS):
-        before = _size(draft)
-        for step in PASSES:
-            draft = step(draft, diagrams)
-        if _size(draft) == before:
+    """Run the passes in turn until none of them makes the automaton smaller."""
+    size, idle = _size(draft), 0
+    for step in islice(cycle(PASSES), MAX_ROUNDS * len(PASSES)):
+        draft = step(draft, diagrams)
+        before, size = size, _size(draft)
+        idle = idle + 1 if size == before else 0
+        if idle == len(PASSES):
             break
     return draft
 

@@ -16,6 +16,10 @@ MAX_STATES = 100
 """Deterministic states to try: beyond, trials cost more than they save."""
 
 
+MAX_TRIALS = 6
+"""Trials for each state: those it is most like come first, and later ones hardly ever succeed."""
+
+
 def merge_by_trial(draft: Draft, diagrams: Diagrams) -> Draft:
     """Lead what enters a deterministic state to another one of its component, if all agree.
 
@@ -39,10 +43,12 @@ def merge_by_trial(draft: Draft, diagrams: Diagrams) -> Draft:
         return draft
     inclusion = Inclusion(draft, diagrams, pairs)
     same = [(p, q) for p, q in pairs if inclusion.holds(p, q) and inclusion.holds(q, p)]
-    trial = _Trial(draft, diagrams, fixed)
+    trial = _Trial(draft, diagrams)
     lead = list(range(len(draft.rows)))
-    for p, q in same:
-        if lead[p] == p and lead[q] == q:
+    tried = [0] * len(lead)
+    for p, q in sorted(same, key=lambda pair: (-_likeness(draft, *pair), pair)):
+        if lead[p] == p and lead[q] == q and tried[q] < MAX_TRIALS:
+            tried[q] += 1
             led = [p if t == q else t for t in lead]
             if trial.agrees(led):
                 lead = led
@@ -56,6 +62,11 @@ def merge_by_trial(draft: Draft, diagrams: Diagrams) -> Draft:
     )
 
 
+def _likeness(draft: Draft, p: int, q: int) -> int:
+    """How many edges p and q have in common."""
+    return len(draft.rows[p].items() & draft.rows[q].items())
+
+
 Step = tuple[int, int, bool, bool]
 """Where a pair of states leads on some letters: both targets, and whether each edge accepts."""
 
@@ -63,17 +74,18 @@ Step = tuple[int, int, bool, bool]
 class _Trial:
     """Compares the deterministic part of a draft with itself after states have been merged."""
 
-    def __init__(self, draft: Draft, diagrams: Diagrams, fixed: Sequence[int]) -> None:
+    def __init__(self, draft: Draft, diagrams: Diagrams) -> None:
         self._moves = moves(draft, diagrams) or []
         self._budget = diagrams.budget
-        self._fixed = fixed
         self._steps: dict[tuple[int, int], list[Step]] = {}
 
     def agrees(self, lead: Sequence[int]) -> bool:
-        """Whether every state keeps its language if `lead[q]` is entered in place of q."""
-        index: dict[tuple[int, int], int] = {}
-        work = [(q, q) for q in self._fixed if lead[q] == q]
-        index.update({pair: i for i, pair in enumerate(work)})
+        """Whether every state keeps its language if `lead[q]` is entered in place of q.
+
+        Runs differ only from there on, so these pairs are where the comparison starts.
+        """
+        work = [(p, q) for q, p in enumerate(lead) if p != q]
+        index = {pair: i for i, pair in enumerate(work)}
         graph: list[list[tuple[int, bool, bool]]] = []
         for pair in work:
             edges = []
