@@ -60,7 +60,7 @@ class AsymmetricGuess(Guess):
                 result = self.strengthen(term) if below or term in self.regenerated else NO
             else:
                 inner = [self._keep(t, below or name in GREATEST) for t in operands]
-                result = self.rebuild(name, inner) if operands else term
+                result = terms.rebuild(name, inner) if operands else term
             self._kept[key] = result
         return self._kept[key]
 

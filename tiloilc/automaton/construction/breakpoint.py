@@ -15,6 +15,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Node, Split
+from tiloilc.automaton.construction.known import parts_of_goal
 from tiloilc.automaton.construction.terms import GREATEST, YES, Term
 from tiloilc.automaton.construction.unfolding import Unfolding
 
@@ -59,7 +60,7 @@ class Breakpoints:
             goal = terms.goal(unfolding.term(variable))
             if goal is None or diagrams.assign(rest, {variable: False}) != FALSE:
                 continue
-            found.extend(terms.parts_of_goal(goal) if self._free else [goal])
+            found.extend(parts_of_goal(terms, goal) if self._free else [goal])
             waiting = diagrams.support(unfolding.later(terms.make("F", goal)))
             rest = diagrams.assign(rest, dict.fromkeys({variable, *waiting}, True))
         return rest, tuple(dict.fromkeys(found))

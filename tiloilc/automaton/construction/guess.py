@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 
+from tiloilc.automaton.construction.known import given
 from tiloilc.automaton.construction.terms import GREATEST, NO, YES, Term, Terms
 
 
@@ -66,7 +67,7 @@ class Guess(ABC):
         kept, end = operands if name == "W" else reversed(operands)
         parts = terms.operands[end] if terms.operator[end] == "or" else (end,)
         never = [terms.opposite(t) for t in parts if terms.operator[t][0] in "+-"]
-        return terms.both([*never, terms.given(kept, never)])
+        return terms.both([*never, given(terms, kept, never)])
 
     def chosen_in(self, operators: frozenset[str]) -> list[Term]:
         """The chosen terms with one of `operators`."""
@@ -86,15 +87,9 @@ class Guess(ABC):
                 result = NO
             else:
                 inner = [self.strengthen(t) for t in operands]
-                result = self.rebuild({"W": "U", "R": "M"}.get(name, name), inner)
+                result = self.terms.rebuild({"W": "U", "R": "M"}.get(name, name), inner)
             self._strong[term] = result
         return self._strong[term]
-
-    def rebuild(self, name: str, inner: Sequence[Term]) -> Term:
-        """The operator `name` over `inner`."""
-        if name in ("and", "or"):
-            return self.terms.both(inner) if name == "and" else self.terms.either(inner)
-        return self.terms.make(name, *inner)
 
 
 def regenerated_by(terms: Terms, roots: Sequence[Term]) -> frozenset[Term]:

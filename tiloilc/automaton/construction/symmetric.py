@@ -64,7 +64,7 @@ class SymmetricGuess(Guess):
                 inner = [self.weaken(t, below or name in GREATEST) for t in operands]
                 result = term
                 if operands:
-                    result = self.rebuild({"U": "W", "M": "R"}.get(name, name), inner)
+                    result = terms.rebuild({"U": "W", "M": "R"}.get(name, name), inner)
             self._weak[key] = result
         return self._weak[key]
 

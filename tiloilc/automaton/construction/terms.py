@@ -128,29 +128,6 @@ class Terms:
         name = self.operator[literal]
         return self.literal(int(name[1:]), name[0] == "-")
 
-    def given(self, term: Term, literals: Sequence[Term]) -> Term:
-        """`term` where `literals` hold now and for ever."""
-        known = dict.fromkeys(literals, YES) | {self.opposite(t): NO for t in literals}
-        if not known:
-            return term
-        done: dict[Term, Term] = {}
-
-        def rebuilt(t: Term) -> Term:
-            if t in known:
-                return known[t]
-            if not self.operands[t]:
-                return t
-            if t not in done:
-                inner = [rebuilt(s) for s in self.operands[t]]
-                name = self.operator[t]
-                if name in ("and", "or"):
-                    done[t] = self.both(inner) if name == "and" else self.either(inner)
-                else:
-                    done[t] = self.make(name, *inner)
-            return done[t]
-
-        return rebuilt(term)
-
     def both(self, operands: Sequence[Term]) -> Term:
         """Conjunction: flat, without repetitions, in the given order."""
         return self._junction("and", operands, YES, NO)
@@ -212,6 +189,12 @@ class Terms:
         if operator in ("F", "G", "X"):
             return self._unary(operator, operands[0])
         return self._binary(operator, *operands)
+
+    def rebuild(self, name: str, operands: Sequence[Term]) -> Term:
+        """The operator `name`, temporal or Boolean, over `operands`."""
+        if name in ("and", "or"):
+            return self.both(operands) if name == "and" else self.either(operands)
+        return self.make(name, *operands)
 
     def _unary(self, operator: str, operand: Term) -> Term:
         same = {"F": self.eventual, "G": self.universal}
@@ -297,22 +280,6 @@ class Terms:
         if self.operator[inner] != "F" or self.has_greatest[inner]:
             return None
         return self.operands[inner][0]
-
-    def parts_of_goal(self, goal: Term) -> list[Term]:
-        """Goals that are met again and again just if `goal` is: GF(a & XF b) is GF a & GF b."""
-        conjuncts = self.operands[goal] if self.operator[goal] == "and" else (goal,)
-        later = []
-        for term in conjuncts:
-            inner = term
-            while self.operator[inner] == "X":
-                inner = self.operands[inner][0]
-            if self.operator[inner] == "F":
-                later.append((term, self.operands[inner][0]))
-        now = self.both([t for t in conjuncts if t not in dict(later)])
-        return [
-            *([] if now == YES else [now]),
-            *(part for _, goal in later for part in self.parts_of_goal(goal)),
-        ]
 
     def formula(self, term: Term) -> Formula:
         """The formula of `term`."""

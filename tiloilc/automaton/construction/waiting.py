@@ -13,6 +13,7 @@ from typing import NamedTuple
 from tiloilc.automaton.bdd import FALSE, TRUE, Node
 from tiloilc.automaton.construction.breakpoint import Breakpoints, Goals, Serving
 from tiloilc.automaton.construction.guess import Guess, regenerated_by
+from tiloilc.automaton.construction.known import given_literals
 from tiloilc.automaton.construction.terms import NO, YES, Term
 from tiloilc.automaton.construction.unfolding import Unfolding
 
@@ -158,7 +159,7 @@ class Construction:
         mixed = FALSE
         for cube in sorted(cubes, key=lambda cube: sorted(map(unfolding.term, cube))):
             said = [unfolding.term(v) for v in cube]
-            terms = self._given_literals(said)
+            terms = given_literals(self.terms, said)
             if NO in terms:
                 continue
             lasting = self._later([t for t in said if self.terms.universal[t]])
@@ -181,20 +182,6 @@ class Construction:
         for term in terms:
             result = self.unfolding.diagrams.conj(result, self.unfolding.later(term))
         return result
-
-    def _given_literals(self, cube: Sequence[Term]) -> list[Term]:
-        """The terms of a conjunction where those G p with a literal p are known."""
-        terms = self.terms
-        known: dict[Term, None] = {}
-        for term in cube:
-            if terms.operator[term] == "G":
-                inner = terms.operands[term][0]
-                parts = terms.operands[inner] if terms.operator[inner] == "and" else (inner,)
-                known.update((t, None) for t in parts if terms.operator[t][0] in "+-")
-        if not known:
-            return list(cube)
-        found = [*(terms.make("G", t) for t in known), *(terms.given(t, list(known)) for t in cube)]
-        return [t for t in dict.fromkeys(found) if t != YES]
 
     def _is_bounded(self, term: Term) -> bool:
         """Whether a bounded number of letters settles `term`."""
