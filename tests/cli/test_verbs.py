@@ -164,6 +164,32 @@ def test_explain_speaks_of_tasks_and_of_codes(run: Run, tmp_path: Path) -> None:
         assert out.startswith(f"{RULES[code].severity}[{code}]")
 
 
+def test_explain_speaks_of_formulas(run: Run) -> None:
+    status, out, _ = run("explain", "G F (a & X F b) & G !z")
+    assert status == 0
+    for text in (
+        "with all brackets: (G F (a & (X F b))) & (G !z)",
+        "class: recurrence",
+        "the agent has seen a and must now reach b; touching z loses for ever",
+        "left to do: F b & G F (a & X F b) & G !z",
+        "rejected: for ever {}",
+    ):
+        assert text in out
+    status, out, _ = run("explain", "F a & G !a")
+    assert status == 0
+    assert "nothing is accepted" in out
+    assert "accepted: none" in out
+    assert "a, b, c" in run("explain", "F a & G !c", "--propositions", "a,b,c")[1]
+    status, out, err = run("explain", "F a &")
+    assert (status, out) == (1, "")
+    assert "LTL201" in err
+
+
+@pytest.mark.parametrize("verb", ["explain", "viz", "step"])
+def test_what_looks_like_a_path_is_a_missing_file_and_no_formula(run: Run, verb: str) -> None:
+    assert run(verb, "build/nothing")[::2] == (2, "error: there is no file `build/nothing`\n")
+
+
 def test_explain_guesses_at_unknown_codes(run: Run) -> None:
     status, out, err = run("explain", "LTL230")
     assert (status, out) == (2, "")
@@ -281,13 +307,21 @@ def test_translate_without_a_formula_is_a_usage_error(run: Run) -> None:
         ),
         (("a & !a",), 1, ["satisfiable: no"]),
         (("a | !a",), 0, ["valid: yes", "class: bounded", "never matters: a"]),
-        (("F a", "G F a"), 1, ["G implies F", "F, not G: {a} then for ever {}"]),
+        (
+            ("F a", "G F a"),
+            1,
+            ["the second implies the first", "by the first only: {a} then for ever {}"],
+        ),
         (("G F (a & X F b)", "G F a & G F b"), 0, ["equivalent"]),
-        (("F G a", "G F a"), 1, ["F implies G", "G, not F: "]),
+        (("F G a", "G F a"), 1, ["the first implies the second", "accepted by the second only: "]),
         (
             ("a", "b"),
             1,
-            ["neither implies the other", "F, not G: for ever {a}", "G, not F: for ever {b}"],
+            [
+                "neither implies the other",
+                "the first only: for ever {a}",
+                "the second only: for ever {b}",
+            ],
         ),
     ],
 )

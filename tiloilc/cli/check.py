@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def command(
     formula: Annotated[str, typer.Argument(metavar="F", help="In LTL.")],
-    other: Annotated[str | None, typer.Argument(metavar="[G]", help="To compare it with.")] = None,
+    other: Annotated[str | None, typer.Argument(metavar="G", help="To compare it with.")] = None,
     propositions: Propositions = None,
 ) -> None:
     """Say what a formula means, or how two formulas differ.
@@ -76,14 +76,14 @@ def _together(first: Formula, second: Formula, names: tuple[str, ...]) -> bool:
         print("equivalent")
         return True
     if only_first is None:
-        print("F implies G, G does not imply F")
+        print("the first implies the second, not the other way round")
     elif only_second is None:
-        print("G implies F, F does not imply G")
+        print("the second implies the first, not the other way round")
     else:
         print("neither implies the other")
-    for word, who in ((only_first, "F, not G"), (only_second, "G, not F")):
+    for word, who in ((only_first, "first"), (only_second, "second")):
         if word is not None:
-            print(f"{who}: {word}")
+            print(f"accepted by the {who} only: {word}")
     return False
 
 

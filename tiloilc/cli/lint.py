@@ -28,7 +28,7 @@ def _format(value: str) -> str:
 def command(
     specs: Annotated[
         list[Path],
-        typer.Argument(metavar="SPEC...", help="Task files.", exists=True, dir_okay=False),
+        typer.Argument(metavar="SPEC", help="Task files.", exists=True, dir_okay=False),
     ],
     format: Annotated[
         str, typer.Option(callback=_format, help=f"One of {', '.join(FORMATS)}.")

@@ -10,7 +10,7 @@ import typer
 from tiloilc.cli.console import Quiet, fail, say
 
 Runs = Annotated[
-    list[Path], typer.Argument(metavar="RUN...", help="Run folders; several are compared.")
+    list[Path], typer.Argument(metavar="RUN", help="Run folders; several are compared.")
 ]
 Out = Annotated[
     Path | None,

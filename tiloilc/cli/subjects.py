@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 FILES = (".yaml", ".yml", ".json", ".hoa")
 """Suffixes of what is a file even where there is none of that name."""
+
+PATH = re.compile(r"[\w.~-]*(/[\w.~-]*)+")
+"""What is one too: names between slashes, which no formula has."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +45,8 @@ def subject_of(text: str, propositions: str | None = None) -> Subject:
     Raises CompileError for a file that cannot be used, Exit for a formula or a missing file.
     """
     path = Path(text)
-    if not _is_there(path):
-        if path.suffix.lower() in FILES:
+    if not is_there(path):
+        if path.suffix.lower() in FILES or PATH.fullmatch(text):
             raise fail(f"there is no file `{text}`")
         return _of_formula(text, propositions)
     if path.suffix.lower() == ".hoa":
@@ -50,7 +54,8 @@ def subject_of(text: str, propositions: str | None = None) -> Subject:
     return _of_task(path)
 
 
-def _is_there(path: Path) -> bool:
+def is_there(path: Path) -> bool:
+    """Whether there is a file or folder of this name."""
     try:
         return path.exists()
     except (OSError, ValueError):  # a formula can be too long for a name, or have a null byte

@@ -66,7 +66,7 @@ class _Job:
 
 
 def command(
-    formula: Annotated[str | None, typer.Argument(metavar="[FORMULA]", help="In LTL.")] = None,
+    formula: Annotated[str | None, typer.Argument(metavar="FORMULA", help="In LTL.")] = None,
     file: Annotated[
         Path | None,
         typer.Option(help="Formulas, one a line, instead of one.", exists=True, dir_okay=False),

@@ -34,14 +34,18 @@ def explain(plan: Plan) -> str:
     return "\n\n".join("\n".join(lines) for lines in paragraphs) + "\n"
 
 
-def explain_automaton(title: str, ldba: Ldba, stages: Stages | None) -> str:
-    """The same about an automaton that belongs to no task; without stages it accepts nothing."""
-    about = stage_lines(ldba, stages, meant=False) if stages else iter(["nothing is accepted"])
+def explain_automaton(title: str, ldba: Ldba, stages: Stages | None, *, meant: bool = False) -> str:
+    """The same about an automaton that belongs to no task; without stages it accepts nothing.
+
+    `meant` says that `title` is the formula that it was made from.
+    """
+    formula = parse(title, ldba.propositions).formula if meant else None
+    about = stage_lines(ldba, stages, meant=meant) if stages else iter(["nothing is accepted"])
     paragraphs = [
-        [title],
-        ["Propositions", f"  {', '.join(ldba.propositions)}"],
+        [title] if formula is None else ["Formula", *_indented(_formula_lines(formula, ldba))],
+        ["Propositions", f"  {', '.join(ldba.propositions) or 'none'}"],
         ["Stages", *_indented(about)],
-        ["Words", *_indented(_word_lines(ldba, None))],
+        ["Words", *_indented(_word_lines(ldba, formula))],
     ]
     return "\n\n".join("\n".join(lines) for lines in paragraphs) + "\n"
 
@@ -55,9 +59,11 @@ def kind_of(formula: Formula, ldba: Ldba) -> str:
 
 def _goal_lines(plan: Plan, formula: Formula | None) -> Iterator[str]:
     if formula is None:
-        yield f"from the file {plan.goal}"
-        return
-    ldba = plan.ldba
+        return iter([f"from the file {plan.goal}"])
+    return _formula_lines(formula, plan.ldba)
+
+
+def _formula_lines(formula: Formula, ldba: Ldba) -> Iterator[str]:
     yield to_text(formula)
     yield f"with all brackets: {to_text(formula, brackets=True)}"
     yield f"class: {kind_of(formula, ldba)}"
