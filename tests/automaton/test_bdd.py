@@ -147,3 +147,19 @@ def test_too_many_nodes_are_an_error() -> None:
 
     with pytest.raises(CompileError, match="memory"):
         fill()
+
+
+def test_a_single_long_operation_looks_at_the_clock() -> None:
+    """Nodes, and pairs that are met again, are counted between two rounds of a loop."""
+    diagrams = Diagrams(Budget(timeout=0.0))
+
+    def crossed(pairs: int) -> Node:
+        result = FALSE
+        for v in range(pairs):
+            both = diagrams.conj(diagrams.literal(v), diagrams.literal(v + pairs))
+            result = diagrams.disj(result, both)
+        return result
+
+    with pytest.raises(CompileError, match="not done after"):
+        crossed(14)
+    assert diagrams.budget.ticks <= 2, "sixteen thousand nodes would be sixteen ticks"

@@ -102,6 +102,8 @@ class Diagrams:
             else:
                 result = self.node(w, operation(f, g_low), operation(f, g_high))
             memo[key] = result
+            if len(memo) % _NODES_PER_CHECK == 0:
+                self.budget.look()
         return result
 
     def negate(self, f: Node) -> Node:

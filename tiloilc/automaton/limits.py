@@ -61,7 +61,12 @@ class Budget:
         self._ticks += 1
         if self._ticks == self._max_ticks:
             raise too_large("it takes more work than was allowed")
-        if self._ticks % CLOCK_EVERY == 0 and self.is_late:
+        if self._ticks % CLOCK_EVERY == 0:
+            self.look()
+
+    def look(self) -> None:
+        """Look at the clock, after much work of one tick. Raises CompileError AUT305."""
+        if self.is_late:
             raise too_large(f"not done after {self.timeout:g} s")
 
     def states(self, count: int) -> None:
@@ -73,6 +78,7 @@ class Budget:
     def nodes(self, count: int) -> None:
         """Allow `count` diagram nodes. Raises CompileError AUT305."""
         self.tick()
+        self.look()
         if count > self.max_states * NODES_PER_STATE:
             raise too_large("its states need more memory than the limit of states allows")
 
