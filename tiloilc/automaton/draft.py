@@ -5,7 +5,7 @@ A missing letter leads to the sink. Every pass is a function Draft → Draft.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from tiloilc.automaton.bdd import Node
@@ -74,7 +74,9 @@ def components(graph: Sequence[Sequence[int]]) -> list[int]:
     return component
 
 
-def reachable(graph: Sequence[Sequence[int]], starts: Iterable[int]) -> set[int]:
+def reachable(
+    graph: Sequence[Sequence[int]] | Mapping[int, Sequence[int]], starts: Iterable[int]
+) -> set[int]:
     """The nodes that can be reached from `starts`, these included."""
     found = set(starts)
     work = list(found)

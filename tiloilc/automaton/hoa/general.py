@@ -6,11 +6,11 @@ kind of marks of several (generalised Büchi acceptance).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from tiloilc.automaton.bdd import FALSE, Diagrams, Node
-from tiloilc.automaton.draft import Row, components
+from tiloilc.automaton.draft import Row, components, reachable
 from tiloilc.automaton.finish import cubes
 from tiloilc.automaton.guards import guard_text
 from tiloilc.automaton.hoa.body import Body
@@ -48,18 +48,18 @@ def limited(body: Body) -> Limited | None:
     wrong: CompileError | None = None
     for written, initial in readings(body):
         lasting = _accepting_components(written, sets)
-        live = _reach(_turned(_graph(written)), lasting)
+        live = reachable(_turned(_graph(written)), lasting)
         if initial not in live:
             return None
         rows = {n: _kept(written[n], lasting.get(n), lasting, live, diagrams) for n in written}
         rows = {n: row for n, row in rows.items() if n in live}
         choosing = {n for n, row in rows.items() if _overlap(row, diagrams) is not None}
-        reached = _reach(_graph(rows), [initial])
-        choices = _reach(_graph(rows), reached & set(lasting)) & choosing
+        reached = reachable(_graph(rows), [initial])
+        choices = reachable(_graph(rows), reached & set(lasting)) & choosing
         if choices:
             wrong = wrong or _wrong(body, rows, min(choices))
             continue
-        free = _reach(_turned(_graph(rows)), choosing)
+        free = reachable(_turned(_graph(rows)), choosing)
         kinds = sorted(free & reached), sorted(set(rows) - free)
         return _degeneralised(rows, *kinds, lasting, initial, sets, diagrams)
     assert wrong is not None
@@ -78,18 +78,6 @@ def _turned(graph: Mapping[int, list[int]]) -> dict[int, list[int]]:
         for target in targets:
             back[target].append(n)
     return back
-
-
-def _reach(graph: Mapping[int, list[int]], starts: Iterable[int]) -> set[int]:
-    """The states that can be reached from `starts`, these included."""
-    found = set(starts)
-    work = list(found)
-    while work:
-        for target in graph[work.pop()]:
-            if target not in found:
-                found.add(target)
-                work.append(target)
-    return found
 
 
 def _accepting_components(rows: Mapping[int, MarkedRow], sets: int) -> dict[int, int]:
