@@ -34,7 +34,10 @@ WORTH_A_GUESS = 8
 that need not guess learns more easily, unless that costs a third more of many states."""
 
 WORTH_THE_WORK = 3
-"""Times the work of the first construction that another one may take."""
+"""Times the work of the first construction that another one may take, and …"""
+
+WORK_ALLOWED = 5_000
+"""… ticks besides, about 20 ms."""
 
 WORTH_A_SECOND = 8
 """States with jumps from which on the other construction is tried too: below, it never won."""
@@ -93,7 +96,7 @@ class _Attempt:
         self, kind: type[Guess], patient: bool, budget: Budget, most: int
     ) -> tuple[Draft, Diagrams] | None:
         """What another way gives for as much work again; None if more than `most` states."""
-        part = budget.share(WORTH_THE_WORK * budget.ticks)
+        part = budget.share(WORTH_THE_WORK * budget.ticks + WORK_ALLOWED)
         try:
             found = self.with_guesses(kind, part, patient)
         except CompileError:

@@ -217,7 +217,7 @@ class Terms:
     def _apart(self, operator: str, junction: str, term: Term) -> bool:
         """Whether `operator` over a junction may be taken to its part `term` alone."""
         if operator + junction == "Gand":
-            return self.eventual[term]
+            return self.eventual[term] or self.has_least[term]
         if operator + junction == "For":
             return self.universal[term]
         return self.suspendable(term)

@@ -36,9 +36,9 @@ def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
     jumps = following.jumps
     _add_jumps(following, draft)
 
-    def order(jump: tuple[int, int]) -> tuple[int, bool, int, tuple[int, int]]:
+    def order(jump: tuple[int, int]) -> tuple[int, bool, int, int, int]:
         q, target = jump
-        return -size[target], target in draft.jumps[q], -rank[target], jump
+        return -size[target], target in draft.jumps[q], rank[target], -q, -target
 
     for q, target in sorted(((q, t) for q, row in enumerate(jumps) for t in row), key=order):
         jumps[q].remove(target)
