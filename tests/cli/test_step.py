@@ -59,7 +59,7 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(
     status, out, err = piped(run, monkeypatch, text, CYCLE, "--quiet")
     assert status == 1, "a program that pipes letters hears of it"
     assert [line.split()[1] for line in out.splitlines()[1:]] == ["{r}", "{g}"]
-    assert "error[LTL203]: unknown proposition `x`" in err
+    assert "error[LTL203]: unknown proposition `x`\n --> <stdin>:2:1\n" in err
     assert "error[LTL206]: cannot read the word: `{` is never closed" in err
     assert "error: {y} cannot lead to state 2; it can to 1" in err
     assert "error: `back many`: how many letters?" in err

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TextIO
 from tiloilc.cli.console import fail, say
 from tiloilc.cli.formulas import Written, show
 from tiloilc.cli.subjects import Subject
-from tiloilc.diag import CompileError, SourceText
+from tiloilc.diag import CompileError
 
 if TYPE_CHECKING:
     from tiloilc.automaton.language.trace import Trace
@@ -37,8 +37,7 @@ def read_word(written: Written, known: Subject) -> Word | None:
     from tiloilc.ltl.words import parse_word
 
     try:
-        source = SourceText.plain(written.text, written.file)
-        return parse_word(source, known.ldba.propositions)
+        return parse_word(written.source, known.ldba.propositions)
     except CompileError as error:
         show(error.diagnostics, written)
         return None
@@ -112,6 +111,7 @@ class Session:
         self.trace = Trace(known.ldba)
         self.table = Table(known, known.ldba.propositions)
         self.fine = True
+        self.lines = 0
 
     def run(self) -> bool:
         """Read all lines. Whether each of them could be understood."""
@@ -144,6 +144,7 @@ class Session:
                 if self.talks:
                     sys.stderr.write("\n")
                 return
+            self.lines += 1
             yield line.strip()
 
     def obey(self, line: str) -> bool:
@@ -185,7 +186,8 @@ class Session:
         text, chosen = line, None
         if found := re.search(r">\s*(\d+)\s*$", line):
             text, chosen = line[: found.start()], int(found[1])
-        word = read_word(Written(text, "<letter>"), self.known)
+        written = Written(text, "<letter>") if self.talks else Written(text, "<stdin>", self.lines)
+        word = read_word(written, self.known)
         if word is None:
             self.fine = False
             return
