@@ -12,6 +12,7 @@ import random
 import pytest
 
 from tiloilc.automaton import accepts, translate
+from tiloilc.automaton.translate import ConstructionName
 from tiloilc.ltl import Lasso, holds, parse
 
 NAMES = ("p", "b", "q", "c", "s", "d", "r", "z", "e")
@@ -58,3 +59,21 @@ def test_a_promise_never_kept_is_not_passed_over(text: str, broken: Lasso) -> No
     assert any(truth)
     ldba = translate(formula, NAMES)
     assert [accepts(ldba, word) for word in words] == truth
+
+
+@pytest.mark.parametrize("construction", ["asymmetric", "symmetric"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "(z R (p | ((X F d | X c) W z))) & F G (p | F b)",
+        "G F e & (z R (!p -> ((X F d | X (c & F e)) W z))) & F G (!p -> F b)",
+    ],
+)
+def test_an_alternative_that_later_letters_never_say_whole_is_kept(
+    text: str, construction: ConstructionName
+) -> None:
+    """Over p for ever nothing else is promised, but another p is asked for by every letter."""
+    formula = parse(text, NAMES).formula
+    ldba = translate(formula, NAMES, construction=construction)
+    for always in (word("", "pqe"), word("d pc", "pe p"), word("-", "pe"), word("c", "pe - c")):
+        assert accepts(ldba, always) == holds(formula, always, NAMES)

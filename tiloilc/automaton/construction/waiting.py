@@ -172,7 +172,9 @@ class Construction:
                 not passing and diagrams.implies(unfolding.step(left), letters)
             ):
                 parts[left] = None
-            elif any(t in regenerated or not self._is_bounded(t) for t in passing):
+            elif self._comes_back(letters, regenerated) or any(
+                t in regenerated or not self._is_bounded(t) for t in passing
+            ):
                 mixed = diagrams.disj(mixed, diagrams.conj(letters, self._later(terms)))
         return [*parts], mixed
 
@@ -182,6 +184,12 @@ class Construction:
         for term in terms:
             result = self.unfolding.diagrams.conj(result, self.unfolding.later(term))
         return result
+
+    def _comes_back(self, letters: Node, regenerated: frozenset[Term]) -> bool:
+        """Whether a literal that `letters` ask for is regenerated, so that later ones ask too."""
+        asked = {str(v) for v in self.unfolding.diagrams.support(letters)}
+        names = (self.terms.operator[t] for t in regenerated)
+        return any(name[1:] in asked for name in names if name[0] in "+-")
 
     def _is_bounded(self, term: Term) -> bool:
         """Whether a bounded number of letters settles `term`."""
