@@ -97,3 +97,9 @@ def test_reading_what_was_read_and_written_changes_nothing_more() -> None:
         twice = from_hoa(to_hoa(once))
         assert len(once.names) <= len(ldba.names)
         assert to_hoa(once) == to_hoa(twice)
+
+
+def test_of_two_jumps_that_give_as_much_the_one_that_can_be_waited_for_is_found() -> None:
+    formula = parse("(X (c | X a) <-> F c) M !b").formula
+    text = to_hoa(translate(formula, ABC, acceptance="edge"), acceptance="edge")
+    assert to_hoa(from_hoa(text, acceptance="edge"), acceptance="edge") == text

@@ -13,7 +13,7 @@ from __future__ import annotations
 from functools import partial
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
-from tiloilc.automaton.draft import Draft, Row, keep, reachable
+from tiloilc.automaton.draft import Draft, Row, keep, on_cycles, reachable
 from tiloilc.automaton.hoa.general import Limited
 from tiloilc.automaton.reduction.follow import can_wait
 
@@ -64,6 +64,8 @@ class _Jumps:
         self.rows: list[Row] = [*limited.fixed, *({} for _ in limited.free)]
         self.made: dict[frozenset[tuple[int, Node]], int] = {}
         self.by_origin = [self._by_origin(row) for row in limited.fixed]
+        fixed = Draft(limited.fixed, ((),) * len(limited.fixed), 0, (str,) * len(limited.fixed))
+        _, self.looping = on_cycles(fixed)
         self.weights: dict[Node, float] = {FALSE: 0.0, TRUE: 1.0}
 
     def draft(self) -> Draft:
@@ -116,7 +118,7 @@ class _Jumps:
     def _chosen(self, leave: Letters, now: Node) -> list[int]:
         """Fixed states that have edges of `leave` only, as few as are found to have what is needed.
 
-        On letters of `now`, all but one way.
+        On letters of `now`, all but one way. Of equals, one on a cycle: its jump can be waited for.
         """
         diagrams, origin = self.diagrams, self.limited.origin
         ways = {origin[t]: guard for t, guard in leave.items()}
@@ -133,7 +135,8 @@ class _Jumps:
         while True:
             needed = self._needed(left, now)
             gains = [self._gain(t, needed) for t in fitting]
-            best = max(range(len(fitting)), key=lambda i: (gains[i], -i), default=None)
+            rank = [(gain, self.looping[t], -t) for gain, t in zip(gains, fitting, strict=True)]
+            best = max(range(len(rank)), key=rank.__getitem__, default=None)
             if best is None or not gains[best]:
                 break
             chosen.append(fitting[best])
