@@ -8,8 +8,8 @@ import torch
 
 from tests.learn.examples import generator, settings
 from tests.plan.automata import flatworld_cycle, response
+from tiloilc.learn.counts import CountDiscriminators
 from tiloilc.learn.discriminators import Discriminators, RunningNorm, StageBuffers
-from tiloilc.learn.tabular import CountDiscriminators
 from tiloilc.learn.unions import stage_unions
 from tiloilc.plan import stage_plan
 
@@ -280,11 +280,8 @@ def counted(shown: Sequence[int] = (), **changes: object) -> CountDiscriminators
 
 
 def of(found: CountDiscriminators, b: int) -> list[float]:
-    return (
-        found.bonus(torch.zeros(4, dtype=torch.long), torch.arange(4), torch.full((4, 1), b))
-        .flatten()
-        .tolist()
-    )
+    seed = torch.zeros(4, dtype=torch.long)
+    return found.bonus(seed, torch.arange(4), torch.full((4,), b)).tolist()
 
 
 def test_counts_give_the_log_ratio_of_the_frequencies() -> None:

@@ -1,6 +1,6 @@
 """Tabular TiLoIL against exact solutions of Eq. 4 on small products."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -8,113 +8,13 @@ import pytest
 import torch
 from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete
 
-from tests.learn.examples import cell_is, demos, generator, nothing_shown, plan, settings
-from tests.plan.automata import automaton, ring, stabilization
-from tiloilc.automaton.ldba import Ldba
-from tiloilc.demos import DemoSet
+from tests.learn.exact import GAMMA, MOST, RING, RISKY, SIZE, STAY, exact, labels_of, swept, task
+from tests.learn.examples import demos, generator, nothing_shown, settings
 from tiloilc.learn import make_loop
 from tiloilc.learn.tabular import TabularAgent
 from tiloilc.learn.tiloil import StageTable, stage_reward
-from tiloilc.plan import Plan, stage_plan
+from tiloilc.plan import stage_plan
 from tiloilc.product import walk_tables
-
-SIZE, GAMMA = 5, 0.9
-MOST = 1 / (1 - GAMMA)
-
-RING = ring(["right", "left"], "never")
-RISKY = ring(["right"], "middle")  # from the left there is no way around the deadly middle
-STAY = stabilization()
-PASSING = automaton(
-    ["right", "left"], 3, lambda b, true: min(b + ("right" in true), 2), {1}, None
-)  # 1 accepts until `right` is seen again, and then never more: 2 is live in name only
-
-
-CELLS = {RING: (4, 0, 9), RISKY: (4, 2), STAY: (4, 0), PASSING: (4, 0)}
-"""Where each automaton's propositions hold."""
-
-
-def labels_of(ldba: Ldba) -> Callable[[Any], Any]:
-    return cell_is(*CELLS[ldba])
-
-
-def task(ldba: Ldba, **changes: object) -> Plan:
-    return plan(
-        ldba,
-        "TestsLine-v0",
-        kwargs={"size": SIZE, "start": None},
-        **{"gamma": GAMMA, "seeds": 1, "preset": "paper", "learning_rate": 1.0, **changes},
-    )
-
-
-def exact(made: Plan) -> np.ndarray:
-    """The fixed point of Eq. 4 with f = 0: Q [cell, b, action], by value iteration, in the open.
-
-    Written from the paper and the settings' meaning, not from the learner.
-    """
-    ldba, stages, s = made.ldba, made.stages, made.train
-    lost = s.sink_reward * MOST
-    letters = labels_of(ldba)(np.arange(SIZE, dtype=np.float32)[:, None])
-    q = np.zeros((SIZE, len(ldba.states), 3))
-    for _ in range(400):
-        v = q.max(-1)
-        new = np.zeros_like(q)
-        for cell in range(SIZE):
-            for b in ldba.states:
-                for action in range(3):
-                    after = min(max(cell + action - 1, 0), SIZE - 1)
-                    options = ldba.options(b, int(letters[after]))
-                    worth = []
-                    for c in options:
-                        entered = c in ldba.accepting
-                        if s.exact_entry and entered:
-                            worth.append(MOST)
-                        elif s.exact_entry and c == ldba.sink:
-                            worth.append(lost)
-                        else:
-                            worth.append(v[after, c])
-                    pay = s.sink_reward if b == ldba.sink else stages.index[b] / stages.length[b]
-                    if b not in ldba.accepting:
-                        new[cell, b, action] = pay + GAMMA * max(worth)
-                    elif s.accepting_target == "constant":
-                        new[cell, b, action] = MOST
-                    else:
-                        kept = [
-                            v[after, c]
-                            if c in ldba.accepting
-                            else (lost if c == ldba.sink else MOST)
-                            for c in options
-                        ]
-                        new[cell, b, action] = 1 + GAMMA * max(kept)
-        q = new
-    return q
-
-
-def swept(made: Plan, shown: DemoSet | None = None, sweeps: int = 150) -> TabularAgent:
-    """An agent that has seen every (cell, b, action) at once, again and again; f untrained."""
-    agent = make_loop(made, shown or DemoSet(()), labels_of(made.ldba)).agent
-    assert isinstance(agent, TabularAgent)
-    states = [0] if made.train.relabel else made.ldba.states
-    every = np.array([(c, b, a) for c in range(SIZE) for b in states for a in range(3)])
-    cell, b, action = every.T[:, None]  # each [seed, copy]
-    after = np.clip(cell + action - 1, 0, SIZE - 1)
-    letter = labels_of(made.ldba)(after.reshape(-1, 1)).reshape(after.shape)
-    seen, arrived = cell[..., None].astype(np.float32), after[..., None].astype(np.float32)
-    agent.record(seen, action, arrived, b, letter, np.zeros(b.shape, dtype=np.bool_))
-    for _ in range(sweeps):
-        agent.learn(0)
-    return agent
-
-
-@pytest.mark.parametrize("exact_entry", [False, True])
-@pytest.mark.parametrize("kind", ["constant", "live"])
-@pytest.mark.parametrize(
-    "ldba", [RING, RISKY, STAY, PASSING], ids=["ring", "risky", "stay", "passing"]
-)
-def test_q_learning_finds_the_fixed_point_of_equation_4(
-    ldba: Ldba, kind: str, exact_entry: bool
-) -> None:
-    made = task(ldba, accepting_target=kind, exact_entry=exact_entry)
-    assert np.allclose(swept(made).q[0].numpy(), exact(made), atol=1e-3)
 
 
 @pytest.mark.parametrize("kind", ["constant", "live"])
@@ -185,46 +85,12 @@ def test_without_demo_replay_there_is_no_floor() -> None:
     assert (agent.floor == -np.inf).all()
 
 
-def test_overestimation_decays_with_the_distance_to_acceptance() -> None:
-    """Theorem 3.2 on a chain of three states, with hard maxima (α = 0).
-
-    Q with 1 / (1 - γ) at acceptance exceeds Q* with ordinary backups by at most γ^k δ_max.
-    """
-    made = task(RING, accepting_target="constant", beta=0.0)
-    found = exact(made)
-    ldba, stages = made.ldba, made.stages
-    letters = labels_of(RING)(np.arange(SIZE, dtype=np.float32)[:, None])
-    pay = np.array([i / n for i, n in zip(stages.index, stages.length, strict=True)])
-    ordinary = np.zeros_like(found)
-    for _ in range(400):
-        v = ordinary.max(-1)
-        for cell in range(SIZE):
-            for b in range(3):
-                for action in range(3):
-                    after = min(max(cell + action - 1, 0), SIZE - 1)
-                    c = ldba.successor(b, int(letters[after]))
-                    ordinary[cell, b, action] = pay[b] + GAMMA * v[after, c]
-    excess = (found - ordinary)[:, :3]
-    gap = MOST - pay[:3].min() / (1 - GAMMA)
-    for cell in range(SIZE):
-        for b in range(3):
-            steps, at = 0, (cell, b)
-            while at[1] not in ldba.accepting:  # under the learned greedy policy
-                action = int(found[at].argmax())
-                after = min(max(at[0] + action - 1, 0), SIZE - 1)
-                at = (after, ldba.successor(at[1], int(letters[after])))
-                steps += 1
-                assert steps < 30
-            best = int(found[cell, b].argmax())
-            assert excess[cell, b, best] <= GAMMA**steps * gap + 1e-6
-
-
 # what the agent does
 
 
 def agent(seeds: int = 2, **changes: object) -> TabularAgent:
     """An agent on STAY, without demonstrations."""
-    given = settings(seeds=seeds, preset="paper", gamma=GAMMA, **changes)
+    given = settings(seeds=seeds, preset="paper", gamma=GAMMA, **{"entropy": 0.0, **changes})
     space = Box(0, SIZE - 1, (1,), np.int64)
     stages, walk = stage_plan(STAY), walk_tables(STAY)
     return TabularAgent(

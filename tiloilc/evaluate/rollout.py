@@ -49,24 +49,58 @@ class Arena:
             by_seed = observations.reshape(*self.shape, -1), options.reshape(*self.shape, -1)
             return policy.choose(*by_seed, greedy).reshape(-1)
 
-        product = Product(self.copies, self.labels, self.walk, choose)
+        product = Product(self.copies, self.labels, self.walk, choose, horizon)
         by_copy = np.array(list(episode_seeds) * seeds)
-        product.reset(by_copy.tolist(), np.ones(count, dtype=np.bool_))
-        shown = [product.observations]
-        states, over = [product.states], [np.zeros(count, dtype=np.bool_)]
-        ended = over[0]
+        everyone = np.ones(count, dtype=np.bool_)
+        product.reset(by_copy.tolist(), everyone)
+        diary = _Diary(product, episodes, horizon)
+        diary.note(everyone)
+        playing = everyone
         for t in range(horizon):
             seen = product.observations.reshape(*self.shape, -1)
             actions = policy.act(seen, product.states.reshape(self.shape), greedy)
             terminated = product.step(actions.reshape(count, *actions.shape[2:]))
-            shown.append(np.where(ended[:, None], shown[-1], product.observations))
-            states.append(np.where(ended, states[-1], product.states))
-            over.append(ended)
-            ended = ended | terminated
+            diary.note(playing)
+            playing = playing & ~terminated
             if terminated.any() and t + 1 < horizon:  # nobody looks at what follows
                 product.reset(by_copy.tolist(), terminated)
-        path = np.stack(states, axis=1).reshape(*self.shape, horizon + 1)
-        late = np.stack(over, axis=1).reshape(path.shape)
-        observations = np.stack(shown, axis=1).reshape(*path.shape, -1)[:, 0]
-        accepting = self.walk.accepting[path] & ~late
-        return Rollout(observations, path, accepting, path == self.walk.sink)
+        path, late = diary.path()
+        path = path.reshape(*self.shape, horizon + 1)
+        accepting = self.walk.accepting[path] & ~late.reshape(path.shape)
+        return Rollout(diary.observations(), path, accepting, path == self.walk.sink)
+
+
+class _Diary:
+    """Where each copy of a product was after each step: its automaton states, and the observations
+    of each seed's first episode."""
+
+    def __init__(self, product: Product, episodes: int, horizon: int) -> None:
+        self.product, self.episodes, self.horizon = product, episodes, horizon
+        count, dimensions = product.observations.shape
+        self.states: Int = np.zeros((count, horizon + 1), dtype=np.int64)
+        self.seen: Floats = np.zeros((count // episodes, horizon + 1, dimensions), np.float32)
+        self.last: Int = np.zeros(count, dtype=np.int64)
+
+    def note(self, playing: NDArray[np.bool_]) -> None:
+        """The copies of `playing` have arrived, and perhaps jumped in a step of its own."""
+        product = self.product
+        self._write(product.landed, product.elapsed - product.jumped, playing)
+        self._write(product.states, product.elapsed, playing & product.jumped)
+
+    def _write(self, states: Int, at: Int, who: NDArray[np.bool_]) -> None:
+        rows = np.flatnonzero(who & (at <= self.horizon))
+        self.states[rows, at[rows]] = states[rows]
+        self.last[rows] = at[rows]
+        first = rows[rows % self.episodes == 0]
+        self.seen[first // self.episodes, at[first]] = self.product.observations[first]
+
+    def path(self) -> tuple[Int, NDArray[np.bool_]]:
+        """The states [n, T+1], each episode staying where it ended, and what came after its end."""
+        times = np.arange(self.horizon + 1)
+        late = times > self.last[:, None]
+        return np.take_along_axis(self.states, np.minimum(times, self.last[:, None]), 1), late
+
+    def observations(self) -> Floats:
+        """The observations [seed, T+1, d] of the first episodes, staying where they ended."""
+        times = np.minimum(np.arange(self.horizon + 1), self.last[:: self.episodes, None])
+        return np.take_along_axis(self.seen, times[..., None], 1)

@@ -77,8 +77,9 @@ class SacAgent:
     def choose(self, observations: Floats, options: Int, greedy: bool) -> Int:
         """The option of greatest value (drawn by softmax of value / α while exploring)."""
         offered = torch.from_numpy(options)
-        value = self._option_values(torch.from_numpy(observations), offered, greedy)
-        value = option_values(self.table, offered, value, self.settings)
+        seen = torch.from_numpy(observations)
+        value = self._option_values(seen, offered, greedy)
+        value = option_values(self.table, offered, value, self.settings, self._wait(seen, offered))
         if not greedy:
             noise = torch.rand(value.shape, generator=self.generator).clamp(1e-9, 1 - 1e-9)
             alpha = self.sac.log_alpha.detach().exp()[:, None, None]
@@ -193,15 +194,30 @@ class SacAgent:
     @torch.no_grad()
     def targets(self, batch: Batch) -> Tensor:
         """Eq. 4 with the rewards of today's discriminators, [seed, n]."""
-        s = self.settings
-        bonus = torch.zeros(())
-        if s.beta > 0 or not s.stages:
-            bonus = self.discriminators.bonus(batch.observation, self.table.code[batch.state])
-        reward = stage_reward(self.table, batch.state, bonus, s)
+        reward = self._reward(batch.observation, batch.state)
         value = self._option_values(batch.next_observation, batch.options, greedy=False)
+        wait = self._wait(batch.next_observation, batch.options)
         return tiloil_target(
-            self.table, batch.state, reward, batch.options, value, batch.terminal, s
+            self.table,
+            batch.state,
+            reward,
+            batch.options,
+            value,
+            batch.terminal,
+            self.settings,
+            wait,
         )
+
+    def _reward(self, observation: Tensor, state: Tensor) -> Tensor:
+        """Eq. 8 of (s, b) with today's discriminators, [seed, n]."""
+        s, bonus = self.settings, torch.zeros(())
+        if s.beta > 0 or not s.stages:
+            bonus = self.discriminators.bonus(observation, self.table.code[state])
+        return stage_reward(self.table, state, bonus, s)
+
+    def _wait(self, observation: Tensor, options: Tensor) -> Tensor | None:
+        """What is paid for a jump that takes a step; None where jumps do not."""
+        return self._reward(observation, options[..., 0]) if self.walk.costly else None
 
     def _imitation(self, x: Tensor, batch: Batch, shown: int, progress: float) -> Tensor | None:
         s = self.settings

@@ -27,7 +27,7 @@ def make_loop(plan: Plan, demos: DemoSet, labels: Labels) -> Loop:
     the same sums on every machine of a kind.
     """
     torch.set_num_threads(1)
-    settings, walk = plan.train, walk_tables(plan.ldba)
+    settings, walk = plan.train, walk_tables(plan.ldba, plan.train.epsilon)
     copies = Copies(plan.environment, settings.seeds)
     shown = _shown(plan, demos, labels, walk, copies)
     agent = make_agent(plan, walk, copies, shown)

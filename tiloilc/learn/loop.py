@@ -36,7 +36,7 @@ class Loop:
     ) -> None:
         self.settings, self.horizon, self.walk, self.agent = settings, horizon, walk, agent
         self.shape = (settings.seeds, copies.count // settings.seeds)
-        self.product = Product(copies, labels, walk, self._choose)
+        self.product = Product(copies, labels, walk, self._choose, horizon)
         self.segmenter = segmenter
         self.rng = np.random.default_rng([settings.first_seed, settings.seeds])
         self.step = 0
@@ -85,14 +85,14 @@ class Loop:
             self._by_seed(terminal),
         )
         everyone = np.ones(product.copies.count, dtype=np.bool_)
-        self._store(self.segmenter.arrive(product.observations, product.states, everyone))
+        self._arrive(everyone)
         in_sink = product.states == self.walk.sink
         over = terminal | (product.elapsed >= self.horizon)
         if self.settings.end_on_sink:
             over |= in_sink
         self._count(over, in_sink)
         if over.any():
-            agent.finish(self._by_seed(over), self._by_seed(product.elapsed))
+            agent.finish(self._by_seed(over), self._by_seed(product.moves))
             self._store(self.segmenter.end(over))
             self._reset(over)
         self.step += self.shape[1]
@@ -112,8 +112,16 @@ class Loop:
         """Begin new episodes, each with a seed of its own: that of agent, copy and episode."""
         self.product.reset(self._seeds(self.episodes), mask)
         self.episodes = self.episodes + mask
-        product = self.product
-        self._store(self.segmenter.arrive(product.observations, product.states, mask))
+        visited = self.product.jumped & self.walk.accepting[self.product.states]
+        self.tally.visits += self._by_seed(visited).sum(1)  # a jump is an arrival, a start is none
+        self._arrive(mask)
+
+    def _arrive(self, mask: NDArray[np.bool_]) -> None:
+        """Collect where the copies of `mask` are now, and where they were before a jump."""
+        product, collector = self.product, self.segmenter
+        self._store(collector.arrive(product.observations, product.landed, mask))
+        if self.walk.costly:
+            self._store(collector.arrive(product.observations, product.states, product.jumped))
 
     def _count(self, over: NDArray[np.bool_], in_sink: NDArray[np.bool_]) -> None:
         tally, states = self.tally, self._by_seed(self.product.states)
@@ -127,7 +135,7 @@ class Loop:
         if self.actions is None:
             shape = (len(actions), self.horizon, *actions.shape[1:])
             self.actions = np.zeros(shape, dtype=actions.dtype)
-        self.actions[np.arange(len(actions)), self.product.elapsed] = actions
+        self.actions[np.arange(len(actions)), self.product.moves] = actions
 
     def _choose(self, observations: Floats, options: Int) -> Int:
         chosen = self.agent.choose(
@@ -147,6 +155,7 @@ class Loop:
             "states": product.states,
             "letters": product.letters,
             "elapsed": product.elapsed,
+            "moves": product.moves,
             "episodes": self.episodes,
             "actions": actions,
             "step": np.array(self.step),
@@ -171,7 +180,8 @@ class Loop:
         self.episodes, self.actions = arrays["episodes"], arrays["actions"]
         product = self.product
         product.observations, product.states = arrays["observations"], arrays["states"]
-        product.letters, product.elapsed = arrays["letters"], arrays["elapsed"]
+        product.letters, product.moves = arrays["letters"], arrays["moves"]
+        product.elapsed = arrays["elapsed"]
         self._replay()
 
     def _replay(self) -> None:
@@ -181,17 +191,17 @@ class Loop:
         end. Raises CompileError RUN705 if an environment does not repeat itself.
         """
         product = self.product
-        elapsed, longest = product.elapsed, int(product.elapsed.max())
+        moves, longest = product.moves, int(product.moves.max())
         seeds = self._seeds(self.episodes - 1)
         rows = np.arange(product.copies.count)
         assert self.actions is not None
         observations = product.observations
         for k in range(longest + 1):
-            waiting = elapsed <= longest - k
+            waiting = moves <= longest - k
             if waiting.any():
                 observations = product.copies.reset(seeds, waiting)
             if k < longest:
-                played = np.maximum(k - (longest - elapsed), 0)
+                played = np.maximum(k - (longest - moves), 0)
                 observations, _ = product.copies.step(self.actions[rows, played])
         if not np.array_equal(observations, product.observations):
             raise CompileError(Diagnostic.of("RUN705"))

@@ -45,7 +45,7 @@ class SoftActorCritic:
         )
         self.targets = self.critics.clone()
         tuned = settings.entropy == "tuned"
-        start = 1.0 if tuned else float(settings.entropy)
+        start = 1.0 if tuned else max(float(settings.entropy), 1e-8)
         self.log_alpha = torch.full((seeds,), math.log(start), requires_grad=tuned)
         self.reset_optimisers()
 

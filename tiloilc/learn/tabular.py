@@ -1,4 +1,4 @@
-"""The agent on finite tasks: tabular Q-learning with TiLoIL's rewards and targets."""
+"""The agent on finite tasks: tabular soft Q-learning with TiLoIL's rewards and targets."""
 
 from __future__ import annotations
 
@@ -11,61 +11,16 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from tiloilc.learn.counts import CountDiscriminators
 from tiloilc.learn.shown import Shown
 from tiloilc.learn.state import State, under, with_prefix
 from tiloilc.learn.tiloil import StageTable, option_values, stage_reward, tiloil_target
-from tiloilc.learn.unions import stage_unions
 from tiloilc.plan import Stages
 from tiloilc.product import Floats, Int, Walk
 from tiloilc.spec.settings import Settings
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Discrete, Space
-
-SMOOTHING = 0.5
-"""Added to every count: a state that neither side has seen gets f = 0."""
-
-
-class CountDiscriminators:
-    """f_b in closed form: on a table the best logit is the log-ratio of the two frequencies.
-
-    `counts` [seed, buffer, observation] holds how often each state is in each stage buffer.
-    """
-
-    def __init__(self, stages: Stages, cells: int, shown: Int, settings: Settings) -> None:
-        self.settings = settings
-        self.positive, self.negative = stage_unions(stages, settings.stages)
-        self.counts = torch.zeros(
-            settings.seeds, stages.sink_buffer + 1, cells, dtype=torch.float64
-        )
-        self.demonstrations = torch.bincount(torch.from_numpy(shown), minlength=cells).double()
-        self.values = torch.zeros(settings.seeds, len(self.positive), cells)
-
-    def refresh(self) -> None:
-        """Bring tanh f up to date with the counts, for every stage and cell."""
-        own = torch.einsum("kb,sbc->skc", self.positive.double(), self.counts)
-        negative = torch.einsum("kb,sbc->skc", self.negative.double(), self.counts)
-        positive = _mix(own, self.demonstrations, self.settings.demo_fraction)
-        scale = positive.sum(-1, keepdim=True).clamp(min=1)
-        other = negative.sum(-1, keepdim=True)
-        ratio = (positive + SMOOTHING) / (negative * scale / other.clamp(min=1) + SMOOTHING)
-        known = (positive.sum(-1, keepdim=True) > 0) & (other > 0)
-        known &= self.positive.any(1)[:, None]
-        self.values = torch.where(known, torch.tanh(ratio.log()), 0.0).float()
-
-    def bonus(self, seed: Tensor, cell: Tensor, state: Tensor) -> Tensor:
-        """tanh f_b(s), [n, states], for seeds and cells [n] and automaton states [n, states]."""
-        stage = state if self.settings.stages else torch.zeros_like(state)
-        return self.values[seed[:, None], stage, cell[:, None]]
-
-
-def _mix(own: Tensor, shown: Tensor, share: float) -> Tensor:
-    """Counts of which `share` come from demonstrations, as far as there are both."""
-    total, demos = own.sum(-1, keepdim=True), shown.sum()
-    if demos == 0:
-        return own
-    weight = torch.where(total > 0, share * total.clamp(min=1) / demos, 1.0)
-    return own * torch.where(total > 0, 1 - share, 0.0) + shown * weight
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +42,10 @@ class Steps:
 
 class TabularAgent:
     """Q [seed, cell, automaton state, action]; an episode is learned backwards when it ends.
+
+    With a temperature α the policy is π ∝ exp(Q / α), and a state is worth what theorem 3.2 takes
+    for granted, E_π[Q − α log π] = α log Σ exp(Q / α). With α = 0 that is the greatest Q. `tuned`
+    moves α until π has the target entropy; no π has a negative one, so then α is 0 from the start.
 
     With `relabel` each step teaches every live automaton state, not just the one the agent was in:
     labels do not depend on it (counterfactual experience, as in LCER).
@@ -115,6 +74,9 @@ class TabularAgent:
         self.discriminators = CountDiscriminators(
             stages, cells, self._cells(shown.positive), settings
         )
+        self.tuned = settings.entropy == "tuned" and settings.target_entropy > 0
+        alpha = 0.0 if settings.entropy == "tuned" else float(settings.entropy)
+        self.alpha = torch.full((settings.seeds,), 1.0 if self.tuned else alpha)
         self.live = torch.tensor([b for b in range(walk.states) if b != walk.sink])
         self.options = torch.from_numpy(walk.options)
         self.floor = self._demonstrated_values(shown, cells)
@@ -129,6 +91,9 @@ class TabularAgent:
             return values.argmax(-1).numpy() + self.first_action
         noise = torch.rand(values.shape, generator=self.generator)
         best = torch.where(values == values.amax(-1, keepdim=True), noise, -1.0).argmax(-1)
+        if (self.alpha > 0).any():  # the greatest Q + α · Gumbel is drawn from π
+            gumbel = -(-noise.clamp(1e-9, 1 - 1e-7).log()).log()
+            best = (values + self.alpha[:, None, None] * gumbel).argmax(-1)
         anything = torch.randint(self.actions, best.shape, generator=self.generator)
         stray = torch.rand(best.shape, generator=self.generator) < self.settings.exploration
         return torch.where(stray, anything, best).numpy() + self.first_action
@@ -142,9 +107,9 @@ class TabularAgent:
         offered = torch.from_numpy(options)
         seed = torch.arange(len(options))[:, None, None]
         cells = torch.from_numpy(self._cells(observations))[..., None]
-        arrived = self.table.code[offered]
-        soft = self.q[seed, cells, arrived].amax(-1).maximum(self.floor[cells, arrived])
-        value = option_values(self.table, offered, soft, self.settings)
+        soft = self._value(seed, cells, offered)
+        wait = self._wait(seed[..., 0], cells[..., 0], offered)
+        value = option_values(self.table, offered, soft, self.settings, wait)
         return offered.gather(-1, value.argmax(-1, keepdim=True)).squeeze(-1).numpy()
 
     def record(
@@ -202,16 +167,17 @@ class TabularAgent:
 
     def policy(self) -> State:
         """What acting needs; each tensor's first axis counts seeds."""
-        return {"q": self.q}
+        return {"q": self.q, "alpha": self.alpha}
 
     def load_policy(self, state: State) -> None:
         """Take what `policy` gave."""
         self.q.copy_(state["q"])
+        self.alpha.copy_(state["alpha"])
 
     def state(self) -> State:
         """Everything that learning goes on from."""
         return {
-            "q": self.q,
+            **self.policy(),
             "counts": self.discriminators.counts,
             "values": self.discriminators.values,
             "generator": self.generator.get_state(),
@@ -221,7 +187,7 @@ class TabularAgent:
 
     def load(self, state: State) -> None:
         """Take what `state` gave."""
-        self.q.copy_(state["q"])
+        self.load_policy(state)
         self.discriminators.counts.copy_(state["counts"])
         self.discriminators.values.copy_(state["values"])
         self.generator.set_state(state["generator"])
@@ -237,18 +203,43 @@ class TabularAgent:
         if s.relabel:
             state = self.live.expand(len(seed), -1)
         options = self.options[state, step.letter[seed, copy][:, None]]
-        arrived = self.table.code[options]
-        soft = self.q[seed[:, None, None], after[:, None, None], arrived].amax(-1)
-        soft = soft.maximum(self.floor[after[:, None, None], arrived])
-        code = self.table.code[state]
-        bonus = self.discriminators.bonus(seed, cell, code)
-        reward = stage_reward(self.table, state, bonus, s)
+        soft = self._value(seed[:, None, None], after[:, None, None], options)
+        reward = self._reward(seed[:, None], cell[:, None], state)
+        wait = self._wait(seed[:, None], after[:, None], options)
         terminal = step.terminal[seed, copy][:, None].expand_as(state)
-        target = tiloil_target(self.table, state, reward, options, soft, terminal, s)
-        at = (seed[:, None], cell[:, None], code, action[:, None])
+        target = tiloil_target(self.table, state, reward, options, soft, terminal, s, wait)
+        at = (seed[:, None], cell[:, None], self.table.code[state], action[:, None])
         gap = s.learning_rate * (target - self.q[at])
         self.q[at] += gap
+        if self.tuned:
+            self._tune(seed, self.q[at[:3]])
         return torch.zeros(s.seeds).index_add_(0, seed, gap.abs().mean(1))
+
+    def _value(self, seed: Tensor, cell: Tensor, state: Tensor) -> Tensor:
+        """V(s, b), no less than what demonstrations show; all of one shape, or broadcast to it."""
+        arrived = self.table.code[state]
+        q = self.q[seed, cell, arrived]
+        alpha = self.alpha[seed].expand(q.shape[:-1])
+        soft = alpha * (q / alpha.clamp(min=1e-30)[..., None]).logsumexp(-1)
+        return torch.where(alpha > 0, soft, q.amax(-1)).maximum(self.floor[cell, arrived])
+
+    def _reward(self, seed: Tensor, cell: Tensor, state: Tensor) -> Tensor:
+        """Eq. 8 of (s, b) with today's discriminators."""
+        bonus = self.discriminators.bonus(seed, cell, self.table.code[state])
+        return stage_reward(self.table, state, bonus, self.settings)
+
+    def _wait(self, seed: Tensor, cell: Tensor, options: Tensor) -> Tensor | None:
+        """What is paid for a jump that takes a step; None where jumps do not."""
+        return self._reward(seed, cell, options[..., 0]) if self.walk.costly else None
+
+    def _tune(self, seed: Tensor, q: Tensor) -> None:
+        """Move each seed's α by how far π's entropy is from its target; q is [n, states, A]."""
+        log_pi = (q / self.alpha[seed][:, None, None]).log_softmax(-1)
+        missing = self.settings.target_entropy + (log_pi.exp() * log_pi).sum(-1).mean(1)
+        count = torch.zeros_like(self.alpha).index_add_(0, seed, torch.ones(len(seed)))
+        gap = torch.zeros_like(self.alpha).index_add_(0, seed, missing) / count.clamp(min=1)
+        limit = 1 / (1 - self.settings.gamma)
+        self.alpha.mul_((self.settings.critic_rate * gap).exp()).clamp_(1e-6, limit)
 
     def _demonstrated_values(self, shown: Shown, cells: int) -> Tensor:
         """What demonstrated states are worth at least, [cell, automaton state].
@@ -268,7 +259,12 @@ class TabularAgent:
         for t in reversed(range(len(before))):
             options = self.options[state, int(shown.letter[t])]
             soft = floor[int(after[t]), self.table.code[options]]
-            value = tiloil_target(self.table, state, least, options, soft, never, self.settings)
+            wait = None
+            if self.walk.costly:
+                wait = stage_reward(self.table, options[..., 0], torch.tensor(-1.0), self.settings)
+            value = tiloil_target(
+                self.table, state, least, options, soft, never, self.settings, wait
+            )
             at = (int(before[t]), code)
             floor[at] = floor[at].maximum(value)
         return floor

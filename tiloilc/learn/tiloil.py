@@ -67,20 +67,29 @@ def stage_reward(table: StageTable, state: Tensor, bonus: Tensor, settings: Sett
 
 
 def option_values(
-    table: StageTable, options: Tensor, soft_value: Tensor, settings: Settings
+    table: StageTable,
+    options: Tensor,
+    soft_value: Tensor,
+    settings: Settings,
+    wait: Tensor | None = None,
 ) -> Tensor:
     """What each option is worth, [seed, n, K], given V(s', b') of each.
 
     Entering acceptance and sinks has exact values (`exact_entry`): rows of acceptance are rare,
-    their Q is untrained for long.
+    their Q is untrained for long. `wait` [seed, n] is R((s', b')) of the first option where jumps
+    take a step: a jump is an action whose whole effect is known, so its Q needs no network. It is
+    paid that reward now, and the state that it leads to comes a step later (definition 2.3).
     """
-    if not settings.exact_entry:
-        return soft_value
-    most = 1 / (1 - settings.gamma)
     value = soft_value
-    if settings.segment:
-        value = torch.where(table.accepting[options], most, soft_value)
-    return torch.where(table.sink[options], settings.sink_reward * most, value)
+    if settings.exact_entry:
+        most = 1 / (1 - settings.gamma)
+        if settings.segment:
+            value = torch.where(table.accepting[options], most, value)
+        value = torch.where(table.sink[options], settings.sink_reward * most, value)
+    if wait is None:
+        return value
+    later = wait[..., None] + settings.gamma * value
+    return torch.where(options == options[..., :1], value, later)
 
 
 def tiloil_target(
@@ -91,17 +100,22 @@ def tiloil_target(
     soft_value: Tensor,
     terminal: Tensor,
     settings: Settings,
+    wait: Tensor | None = None,
 ) -> Tensor:
     """Eq. 4, [seed, n], with the best of the options as next state.
 
     `state` is b *before* the step: acceptance of b, not of b', counts. `options` and `soft_value`
-    are [seed, n, K]. An environment that has ended (`terminal`) never accepts again.
+    are [seed, n, K], `wait` is as in `option_values`. An environment that has ended (`terminal`)
+    never accepts again.
     """
     most = 1 / (1 - settings.gamma)
     lost = settings.sink_reward * most
-    arrival = option_values(table, options, soft_value, settings).amax(-1)
+    values = option_values(table, options, soft_value, settings, wait)
+    if wait is not None:  # b' is the first option: to jump is a matter of the next step
+        values = torch.where(terminal[..., None], values[..., :1], values)
+        options, soft_value = options[..., :1], soft_value[..., :1]
     over = terminal & ~table.accepting[options].any(-1)
-    target = reward + settings.gamma * torch.where(over, lost, arrival)
+    target = reward + settings.gamma * torch.where(over, lost, values.amax(-1))
     if not settings.segment:
         return target
     if settings.accepting_target == "constant":

@@ -15,7 +15,10 @@ def _entropy(value: object) -> object:
     return value if value == "tuned" else to_number(value)
 
 
-Entropy = Annotated[Literal["tuned"] | Annotated[float, Field(gt=0)], BeforeValidator(_entropy)]
+Entropy = Annotated[
+    Literal["tuned"] | Annotated[float, Field(ge=0, le=100)], BeforeValidator(_entropy)
+]
+Epsilon = Literal["free", "step"]
 Share = Annotated[float, BeforeValidator(to_number), Field(ge=0, le=1)]
 Positive = Annotated[float, BeforeValidator(to_number), Field(gt=0)]
 Count = Annotated[int, BeforeValidator(to_number), Field(gt=0)]
@@ -49,6 +52,10 @@ class Settings(Model):
     accepting_target: Literal["constant", "live", "segment"] = Field(
         description="the value target at accepting states: Eq. 4; one that rewards staying "
         "accepting; or that of the state whose reading it shares, which begins the next segment"
+    )
+    epsilon: Epsilon = Field(
+        description="an ε-jump reads the letter and takes no time; or is a step of its own, in "
+        "which the environment stands still and no letter is read (definition 2.3)"
     )
     exact_entry: bool = Field(description="entering acceptance or a sink has its exact value")
     end_on_sink: bool = Field(description="stop an episode once acceptance is out of reach")
@@ -127,6 +134,7 @@ PAPER: MappingProxyType[str, object] = MappingProxyType(
         "stages": True,
         "discriminator": "separate",
         "accepting_target": "constant",
+        "epsilon": "free",
         "exact_entry": False,
         "end_on_sink": False,
         "sink_reward": -1.0,
