@@ -112,10 +112,9 @@ def test_rewards_are_those_of_todays_discriminators() -> None:
 
     before = targets()
     agent.discriminators.trained[:] = True
-    for p in agent.discriminators.nets.parameters:
-        p.data.zero_()
+    agent.discriminators.nets.flat.zero_()
     silent = targets()
-    agent.discriminators.nets.parameters[-1].data.fill_(20.0)  # tanh f = 1 everywhere
+    agent.discriminators.nets.biases[-1].fill_(20.0)  # tanh f = 1 everywhere
     loud = targets()
     staged = batch.state == 0
     assert torch.allclose((loud - silent)[staged], torch.tensor(agent.settings.beta), atol=1e-4)
@@ -248,12 +247,12 @@ def test_cloning_brings_the_greedy_action_to_the_demonstrated_one(
 def test_the_cloning_loss_fades_to_nothing() -> None:
     _, agent = learner(until=61, warm_start_steps=100)
     batch, shown = agent._batch()
-    x = agent.encode(batch.observation, batch.state)
-    first, half = (agent._imitation(x, batch, shown, p) for p in (0, 50))
+    first, half = (agent._imitated(batch, shown, p) for p in (0, 50))
     assert first is not None
     assert half is not None
-    assert torch.allclose(half, first / 2)
-    assert agent._imitation(x, batch, shown, 100) is None
+    assert torch.equal(first.action, batch.action[:, :shown])
+    assert half.weight == first.weight / 2
+    assert agent._imitated(batch, shown, 100) is None
 
 
 # which states of demonstrations are positive

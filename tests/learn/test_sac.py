@@ -9,7 +9,7 @@ from torch.distributions import Normal, TanhTransform, TransformedDistribution
 
 from tests.learn.examples import generator, settings
 from tiloilc.learn.networks import StackedMLP
-from tiloilc.learn.sac import LOG_STD_MAX, LOG_STD_MIN, SoftActorCritic
+from tiloilc.learn.sac import LOG_STD_MAX, LOG_STD_MIN, Imitated, SoftActorCritic
 
 SEEDS, INPUTS, ACTIONS, N = 3, 4, 2, 5
 
@@ -134,7 +134,6 @@ def test_the_soft_value_is_the_lesser_target_critic_minus_the_entropy_term() -> 
     q = agent.q(agent.targets, x, drawn.action)
     expected = torch.minimum(q[:, 0], q[:, 1]) - 0.3 * drawn.log_density
     assert torch.allclose(value, expected, atol=1e-6)
-    assert not value.requires_grad
 
 
 def test_the_actor_loss_is_the_entropy_term_minus_the_lesser_critic() -> None:
@@ -151,7 +150,6 @@ def test_the_actor_loss_is_the_entropy_term_minus_the_lesser_critic() -> None:
     loss = agent.update_actor(x)
     assert torch.allclose(loss, expected, atol=1e-5)
     assert all(torch.equal(p, q) for p, q in zip(critics, agent.critics.parameters, strict=True))
-    assert all(p.grad is None or not p.grad.any() for p in agent.critics.parameters)
     assert not torch.equal(actor[0], agent.actor.parameters[0])
 
 
@@ -170,11 +168,50 @@ def test_a_seeds_update_depends_on_its_own_batch_only() -> None:
         assert torch.equal(p[[0, 1, 4, 5]], q[[0, 1, 4, 5]])
 
 
-def test_an_extra_loss_moves_the_actor() -> None:
+def written_out(agent: SoftActorCritic, x: Tensor, noise: Tensor, alpha: float) -> Tensor:
+    """Eq. 5 by autograd, for each seed: the actor's parameters take gradients."""
+    out = torch.stack([perceptron(agent.actor, s, x[s]) for s in range(SEEDS)])
+    log_std = LOG_STD_MIN + (LOG_STD_MAX - LOG_STD_MIN) * (torch.tanh(out[..., ACTIONS:]) + 1) / 2
+    law = TransformedDistribution(Normal(out[..., :ACTIONS], log_std.exp()), TanhTransform())
+    before = out[..., :ACTIONS] + log_std.exp() * noise
+    squash = (1 - torch.tanh(before).square()).log()
+    density = (law.base_dist.log_prob(before) - squash).sum(-1)
+    return (alpha * density - values(agent, x, torch.tanh(before)).amin(1)).mean(1)
+
+
+@pytest.mark.parametrize("layer_norm", [True, False])
+@pytest.mark.parametrize("weight", [0.0, 7.0])
+def test_the_actors_slope_is_that_of_its_loss(layer_norm: bool, weight: float) -> None:
+    """Eq. 5 and what is imitated, against autograd in double precision."""
+    torch.set_default_dtype(torch.float64)
+    try:
+        agent = sac(entropy=0.3, layer_norm=layer_norm, actor_hidden=(8, 8), critic_hidden=(8, 8))
+        x, noise, action = inputs(), agent.noise(N), actions()[:, :2]
+        parameters = [p.clone().requires_grad_() for p in agent.actor.parameters]
+        original = agent.actor.weights, agent.actor.biases
+        agent.actor.weights, agent.actor.biases = parameters[::2], parameters[1::2]
+        loss = written_out(agent, x, noise, 0.3)
+        greedy = torch.tanh(
+            torch.stack([perceptron(agent.actor, s, x[s]) for s in range(SEEDS)])[..., :ACTIONS]
+        )
+        loss = loss + weight * (greedy[:, :2] - action).square().mean((1, 2))
+        expected = torch.autograd.grad(loss.sum(), parameters)
+        agent.actor.weights, agent.actor.biases = original
+        imitated = Imitated(action, torch.tensor(weight))
+        found = agent.update_actor(x, agent.sample(x, noise), imitated)
+    finally:
+        torch.set_default_dtype(torch.float32)
+    assert found.tolist() == pytest.approx(loss.tolist(), rel=1e-10)
+    slopes = agent.actor.slopes
+    for mine, theirs in zip(slopes, expected, strict=True):
+        assert torch.allclose(mine, theirs, rtol=1e-8, atol=1e-10)
+
+
+def test_what_is_imitated_moves_the_actor() -> None:
     agent = sac(actor_rate=0.01)
-    x = inputs()
+    x, half = inputs(), torch.full((SEEDS, N, ACTIONS), 0.5)
     for _ in range(300):
-        agent.update_actor(x, 1e3 * (agent.mean_action(x) - 0.5).square().mean((1, 2)))
+        agent.update_actor(x, imitated=Imitated(half, torch.tensor(1e3)))
     assert (agent.mean_action(x) - 0.5).abs().max() < 0.1
 
 
@@ -213,8 +250,11 @@ def test_sac_goes_on_from_its_state() -> None:
 
 
 def test_forgotten_momentum_is_gone() -> None:
-    agent = sac()
+    agent, fresh = sac(), sac()
     agent.update_critics(inputs(), actions(), torch.ones(SEEDS, N))
+    agent.update_actor(inputs())
     agent.reset_optimisers()
-    assert not any("adam" in name for name in agent.state())
-    assert agent.critic_adam.param_groups[0]["params"][0] is agent.critics.parameters[0]
+    for name, tensor in agent.state().items():
+        if "adam" in name:
+            assert torch.equal(tensor, fresh.state()[name]), name
+    assert not torch.equal(agent.critics.flat, fresh.critics.flat)

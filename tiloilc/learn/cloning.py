@@ -5,9 +5,9 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from tiloilc.learn.networks import StackedMLP, adam
+from tiloilc.learn.networks import Adam, StackedMLP, Tape
 from tiloilc.learn.replay import Layout, Replay
-from tiloilc.learn.sac import SoftActorCritic
+from tiloilc.learn.sac import SoftActorCritic, imitation
 
 INVERSE_HIDDEN = (64, 64)
 INVERSE_STEPS = 1500
@@ -42,32 +42,30 @@ class InverseModel:
         self.step = change.std(1, keepdim=True).clamp(min=1e-6)
         sizes = [2 * layout.observation, *INVERSE_HIDDEN, layout.action]
         self.net = StackedMLP(replay.rows.shape[0], sizes, generator)
-        self.adam = adam(self.net.parameters, INVERSE_RATE)
+        self.adam = Adam(self.net.flat, self.net.gradient, INVERSE_RATE)
 
     def __call__(self, observation: Tensor, after: Tensor) -> Tensor:
         """The action that leads from `observation` to `after`, in [−1, 1]."""
+        return torch.tanh(self._forward(observation, after)[0])
+
+    def _forward(self, observation: Tensor, after: Tensor) -> tuple[Tensor, Tape]:
         x = [(observation - self.mean) / self.scale, (after - observation) / self.step]
-        return torch.tanh(self.net(torch.cat(x, dim=-1)))
+        return self.net.forward(torch.cat(x, dim=-1))
 
     def update(self, observation: Tensor, after: Tensor, action: Tensor) -> None:
         """One step of least squares."""
-        loss = (self(observation, after) - action).square().mean((1, 2)).sum()
-        self.adam.zero_grad()
-        loss.backward()
+        mean, tape = self._forward(observation, after)
+        self.net.backward(tape, imitation(mean, action)[1])
         self.adam.step()
-
-
-def cloning_loss(sac: SoftActorCritic, x: Tensor, action: Tensor) -> Tensor:
-    """Squared error of the greedy action, for each seed."""
-    return (sac.mean_action(x) - action).square().mean((1, 2))
 
 
 def clone(sac: SoftActorCritic, x: Tensor, action: Tensor, generator: torch.Generator) -> None:
     """Behaviour cloning of demonstration steps x [seed, n, in] → action [seed, n, m]."""
-    optimiser = adam(sac.actor.parameters, CLONING_RATE)
+    adam = Adam(sac.actor.flat, sac.actor.gradient, CLONING_RATE)
     for _ in range(CLONING_STEPS):
-        rows = torch.randint(x.shape[1], (CLONING_BATCH,), generator=generator)
-        loss = cloning_loss(sac, x[:, rows], action[:, rows]).sum()
-        optimiser.zero_grad()
-        loss.backward()
-        optimiser.step()
+        rows = torch.randint(x.shape[1], (CLONING_BATCH,), generator=generator, device=x.device)
+        out, tape = sac.actor.forward(x[:, rows])
+        mean, raw = out.split(sac.actions, dim=-1)
+        slope = imitation(mean, action[:, rows])[1]
+        sac.actor.backward(tape, torch.cat([slope, torch.zeros_like(raw)], dim=-1))
+        adam.step()

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from tiloilc.diag import CompileError, Diagnostic
-from tiloilc.learn.cloning import clone, cloning_loss, fit_inverse_dynamics
+from tiloilc.learn.cloning import clone, fit_inverse_dynamics
 from tiloilc.learn.discriminators import Discriminators, StageBuffers
 from tiloilc.learn.replay import Batch, Layout, Replay
-from tiloilc.learn.sac import SoftActorCritic
+from tiloilc.learn.sac import Imitated, SoftActorCritic
 from tiloilc.learn.shown import Shown
 from tiloilc.learn.state import State, under, with_prefix
 from tiloilc.learn.tiloil import StageTable, option_values, stage_reward, tiloil_target
@@ -53,6 +53,8 @@ class SacAgent:
         self.discriminators = Discriminators(
             stages, self.buffers, torch.from_numpy(shown.positive), settings, generator
         )
+        wanted = settings.beta > 0 or not settings.stages
+        self.judges = wanted and self.discriminators.stages > 0
         self.sac = SoftActorCritic(settings.seeds, d + walk.states, m, settings, generator)
         self.demo_rows: Tensor | None = None
 
@@ -61,7 +63,6 @@ class SacAgent:
         told = torch.nn.functional.one_hot(self.table.code[state], self.walk.states)
         return torch.cat([(observation - self.middle) / self.half, told.float()], dim=-1)
 
-    @torch.no_grad()
     def act(self, observations: Floats, states: Int, greedy: bool) -> Floats:
         """Actions in the environment's units, [seed, copy, …]."""
         x = self.encode(torch.from_numpy(observations), torch.from_numpy(states))
@@ -73,7 +74,6 @@ class SacAgent:
         drawn = rng.uniform(-1, 1, (*shape, len(self.low))).astype(np.float32)
         return self._to_environment(drawn)
 
-    @torch.no_grad()
     def choose(self, observations: Floats, options: Int, greedy: bool) -> Int:
         """The option of greatest value (drawn by softmax of value / α while exploring)."""
         offered = torch.from_numpy(options)
@@ -82,7 +82,7 @@ class SacAgent:
         value = option_values(self.table, offered, value, self.settings, self._wait(seen, offered))
         if not greedy:
             noise = torch.rand(value.shape, generator=self.generator).clamp(1e-9, 1 - 1e-9)
-            alpha = self.sac.log_alpha.detach().exp()[:, None, None]
+            alpha = self.sac.log_alpha.exp()[:, None, None]
             filled = offered == offered[..., :1]  # rows are filled up with their first option
             filled[..., 0] = False
             value = (value - alpha * (-noise.log()).log()).masked_fill(filled, -torch.inf)
@@ -148,8 +148,7 @@ class SacAgent:
             )
         if shown.action is None:
             inverse = fit_inverse_dynamics(self.replay, self.layout, self.generator)
-            with torch.no_grad():
-                action = inverse(before, after)
+            action = inverse(before, after)
         else:
             scaled = 2 * (shown.action - self.low) / (self.high - self.low) - 1
             action = torch.from_numpy(scaled.astype(np.float32)).expand(seeds, -1, -1)
@@ -168,14 +167,13 @@ class SacAgent:
 
         `progress` counts environment steps since learning began.
         """
-        s = self.settings
         losses = {}
-        if s.beta > 0 or not s.stages:
+        if self.judges:
             losses["discriminator"] = self.discriminators.update()
         batch, shown = self._batch()
         x = self.encode(batch.observation, batch.state)
         losses["critic"] = self.sac.update_critics(x, batch.action, self.targets(batch))
-        losses["actor"] = self.sac.update_actor(x, self._imitation(x, batch, shown, progress))
+        losses["actor"] = self.sac.update_actor(x, imitated=self._imitated(batch, shown, progress))
         self.sac.follow()
         return losses
 
@@ -191,7 +189,6 @@ class SacAgent:
             rows = torch.cat([drawn, rows], dim=1)
         return self.layout.unpack(rows), shown
 
-    @torch.no_grad()
     def targets(self, batch: Batch) -> Tensor:
         """Eq. 4 with the rewards of today's discriminators, [seed, n]."""
         reward = self._reward(batch.observation, batch.state)
@@ -210,22 +207,22 @@ class SacAgent:
 
     def _reward(self, observation: Tensor, state: Tensor) -> Tensor:
         """Eq. 8 of (s, b) with today's discriminators, [seed, n]."""
-        s, bonus = self.settings, torch.zeros(())
-        if s.beta > 0 or not s.stages:
+        bonus = torch.zeros(())
+        if self.judges:
             bonus = self.discriminators.bonus(observation, self.table.code[state])
-        return stage_reward(self.table, state, bonus, s)
+        return stage_reward(self.table, state, bonus, self.settings)
 
     def _wait(self, observation: Tensor, options: Tensor) -> Tensor | None:
         """What is paid for a jump that takes a step; None where jumps do not."""
         return self._reward(observation, options[..., 0]) if self.walk.costly else None
 
-    def _imitation(self, x: Tensor, batch: Batch, shown: int, progress: float) -> Tensor | None:
+    def _imitated(self, batch: Batch, shown: int, progress: float) -> Imitated | None:
+        """The demonstrations' rows of a batch, and what cloning them still weighs."""
         s = self.settings
         if s.warm_start == "none" or not shown or progress >= s.warm_start_steps:
             return None
-        weight = 1 - progress / s.warm_start_steps
-        scale = 1 / (1 - s.gamma)
-        return weight * scale * cloning_loss(self.sac, x[:, :shown], batch.action[:, :shown])
+        weight = (1 - progress / s.warm_start_steps) / (1 - s.gamma)
+        return Imitated(batch.action[:, :shown], torch.tensor(weight))
 
     def policy(self) -> State:
         """What acting needs; each tensor's first axis counts seeds, or seeds times two."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import torch
 from torch import Tensor
+from torch.nn.functional import softplus
 
-from tiloilc.learn.networks import StackedMLP, adam
-from tiloilc.learn.state import State, adam_state, load_adam
+from tiloilc.learn.networks import Adam, StackedMLP, Tape
+from tiloilc.learn.state import State
 from tiloilc.learn.unions import stage_unions
 from tiloilc.plan import Stages
 from tiloilc.product import Floats
@@ -36,19 +39,21 @@ class StageBuffers:
         self._view[seed, buffer, : len(kept) - first] = kept[first:]
         self.written[seed, buffer] += len(kept)
 
-    def sample(self, unions: Tensor, count: int, generator: torch.Generator) -> Tensor:
-        """Uniformly from unions of buffers: `unions` [stage, buffer] to [seed, stage, count, d].
+    def sample(self, unions: Tensor, uniform: Tensor) -> Tensor:
+        """From unions of buffers, `unions` [union, buffer] of 0 and 1: states [seed, union, n, d].
 
-        An empty union yields arbitrary states; see `available`.
+        `uniform` [seed, union, n] are random numbers in [0, 1), one for each state. An empty union
+        yields arbitrary states; see `available`.
         """
         seeds, buffers, capacity, d = self.states.shape
-        ends = (self.counts[:, None] * unions).cumsum(-1)
+        counts = self.counts[:, None] * unions
+        ends = counts.cumsum(-1)
         total = ends[..., -1:]
-        drawn = (torch.rand(*total.shape[:2], count, generator=generator) * total).long()
-        drawn = drawn.minimum((total - 1).clamp(min=0))
+        drawn = (uniform * total).long().minimum((total - 1).clamp(min=0))
         buffer = torch.searchsorted(ends, drawn, right=True).clamp(max=buffers - 1)
-        before = (ends - self.counts[:, None] * unions).gather(-1, buffer)
-        row = (torch.arange(seeds)[:, None, None] * buffers + buffer) * capacity + drawn - before
+        before = (ends - counts).gather(-1, buffer)
+        seed = torch.arange(seeds, device=unions.device)[:, None, None]
+        row = (seed * buffers + buffer) * capacity + drawn - before
         return self.states.view(-1, d).index_select(0, row.view(-1)).view(*row.shape, d)
 
     def state(self) -> State:
@@ -69,10 +74,10 @@ class StageBuffers:
 class RunningNorm:
     """Mean and variance of all states seen so far, for each seed; [seed, 1, d]."""
 
-    def __init__(self, seeds: int, d: int) -> None:
-        self.mean = torch.zeros(seeds, 1, d, dtype=torch.float64)
-        self.square = torch.ones(seeds, 1, d, dtype=torch.float64)
-        self.count = torch.zeros(1, dtype=torch.float64)
+    def __init__(self, seeds: int, d: int, device: torch.device | str = "cpu") -> None:
+        self.mean = torch.zeros(seeds, 1, d, dtype=torch.float64, device=device)
+        self.square = torch.ones(seeds, 1, d, dtype=torch.float64, device=device)
+        self.count = torch.zeros(1, dtype=torch.float64, device=device)
 
     def update(self, x: Tensor) -> None:
         """Take in states [seed, n, d]."""
@@ -85,14 +90,25 @@ class RunningNorm:
     def __call__(self, x: Tensor) -> Tensor:
         """States [seed, n, d] with zero mean and unit variance."""
         deviation = (self.square - self.mean.square()).clamp(min=1e-6).sqrt()
-        return (x - self.mean.float()) / deviation.float()
+        return (x - self.mean.to(x.dtype)) / deviation.to(x.dtype)
+
+
+@dataclass(frozen=True, slots=True)
+class Draws:
+    """The random part of an update: for states of buffers, uniform [seed, 2, stage, n]; for
+    demonstrations, rows [seed, stage, n].
+    """
+
+    uniform: Tensor
+    shown: Tensor | None
 
 
 class Discriminators:
     """f_b for every stage b: separate networks, or one that is told the stage (appendix F.2).
 
-    A union matrix [stage, buffer] names each stage's positive and negative buffers; a stage with an
-    empty row has no discriminator. Until a stage has been trained its f is 0.
+    A union matrix [state, buffer] names each state's positive and negative buffers; a state without
+    positive ones, such as acceptance and the sink, has no discriminator. Until a stage has been
+    trained its f is 0.
     """
 
     def __init__(
@@ -103,62 +119,91 @@ class Discriminators:
         settings: Settings,
         generator: torch.Generator,
     ) -> None:
+        device = generator.device
         seeds, _, _, d = buffers.states.shape
         self.settings, self.generator, self.buffers = settings, generator, buffers
-        self.positive, self.negative = stage_unions(stages, settings.stages)
-        self.stages = len(self.positive)
+        positive, negative = stage_unions(stages, settings.stages)
+        told = positive.any(1)
+        self.unions = torch.cat([positive[told], negative[told]]).to(device)
+        self.stages = int(told.sum())
+        slot = torch.where(told, told.cumsum(0) - 1, self.stages)
+        self.slot = (slot if settings.stages else slot.expand(len(stages.index))).to(device)
         self.shared = settings.discriminator == "shared"
         inputs = d + self.stages if self.shared else d
         stack = seeds if self.shared else seeds * self.stages
         sizes = [inputs, *settings.discriminator_hidden, 1]
         self.nets = StackedMLP(stack, sizes, generator)
-        self.adam = adam(self.nets.parameters, settings.discriminator_rate)
-        self.norm = RunningNorm(seeds, d)
+        self.adam = Adam(self.nets.flat, self.nets.gradient, settings.discriminator_rate)
+        self.norm = RunningNorm(seeds, d, device)
         self.demonstrations = demonstrations
-        self.trained = torch.zeros(seeds, self.stages, dtype=torch.bool)
+        self.trained = torch.zeros(seeds, self.stages, dtype=torch.bool, device=device)
 
     def logits(self, x: Tensor) -> Tensor:
-        """f_b(s) of every stage b for states [seed, stage, n, d]: [seed, stage, n]."""
-        seeds, stages, n, d = x.shape
-        x = self.norm(x.view(seeds, -1, d)).view(seeds, stages, n, d)
-        if self.shared:
-            told = torch.eye(stages)[None, :, None].expand(seeds, stages, n, stages)
-            x = torch.cat([x, told], dim=-1).view(seeds, stages * n, -1)
-        else:
-            x = x.view(seeds * stages, n, d)
-        return self.nets(x).view(seeds, stages, n)
+        """f_b(s) of every stage b for normalised states [seed, stage, n, d]: [seed, stage, n]."""
+        return self._forward(x)[0]
 
-    @torch.no_grad()
+    def _forward(self, x: Tensor) -> tuple[Tensor, Tape]:
+        seeds, stages, n, _ = x.shape
+        if self.shared:
+            told = torch.eye(stages, device=x.device)[None, :, None]
+            x = torch.cat([x, told.expand(seeds, stages, n, stages)], dim=-1)
+        out, tape = self.nets.forward(x.reshape(self.nets.stack, -1, self.nets.sizes[0]))
+        return out.view(seeds, stages, n), tape
+
     def bonus(self, observation: Tensor, state: Tensor) -> Tensor:
         """tanh f_b(s) for s [seed, n, d] and b [seed, n]; 0 where b has no trained f."""
-        every = observation[:, None].expand(-1, self.stages, -1, -1).contiguous()
-        stage = state if self.settings.stages else torch.zeros_like(state)
+        every = self.norm(observation)[:, None].expand(-1, self.stages, -1, -1)
         values = torch.tanh(self.logits(every)) * self.trained[:, :, None]
-        return values.gather(1, stage[:, None]).squeeze(1)
+        values = torch.cat([values, torch.zeros_like(observation[:, None, :, 0])], dim=1)
+        return values.gather(1, self.slot[state][:, None]).squeeze(1)
 
-    def update(self) -> Tensor:
+    def draw(self) -> Draws:
+        """What the next update needs of chance."""
+        seeds, n = len(self.trained), self.settings.discriminator_batch
+        random = self.generator
+        uniform = torch.rand((seeds, 2 * self.stages, n), generator=random, device=random.device)
+        if len(self.demonstrations) == 0:
+            return Draws(uniform, None)
+        shape = (seeds, self.stages, n)
+        count = len(self.demonstrations)
+        shown = torch.randint(count, shape, generator=random, device=random.device)
+        return Draws(uniform, shown)
+
+    def update(self, draws: Draws | None = None) -> Tensor:
         """One step of binary cross-entropy on every stage; the loss of each seed."""
-        n = self.settings.discriminator_batch
-        positive = self._positive(n)
-        negative = self.buffers.sample(self.negative, n, self.generator)
-        ready = self.buffers.available(self.negative) & self._has_positive()
-        logits = self.logits(torch.cat([positive, negative], dim=2))
-        wanted = torch.cat([torch.ones(n), torch.zeros(n)]).expand_as(logits)
-        entropy = torch.nn.functional.binary_cross_entropy_with_logits(
-            logits, wanted, reduction="none"
-        )
-        loss = (entropy.mean(2) * ready).sum(1)
-        self.adam.zero_grad()
-        loss.sum().backward()
+        states, ready = self._batch(draws or self.draw())
+        seeds, _, n, d = states.shape
+        logits, tape = self._forward(self.norm(states.view(seeds, -1, d)).view(states.shape))
+        wanted = (torch.arange(n, device=states.device) < n // 2).float()
+        to_logits = (torch.sigmoid(logits) - wanted) * (ready[:, :, None] / n)
+        self.nets.backward(tape, to_logits.view(self.nets.stack, -1, 1))
         self.adam.step()
         self.trained |= ready
-        return loss.detach()
+        entropy = softplus(logits) - wanted * logits
+        return (entropy.mean(2) * ready).sum(1)
+
+    def _batch(self, draws: Draws) -> tuple[Tensor, Tensor]:
+        """As many positive as negative states, in this order: [seed, stage, 2n, d]; and which
+        stages have both [seed, stage].
+
+        `demo_fraction` of the positive ones are of demonstrations; all, while there are no others.
+        """
+        held = self.buffers.available(self.unions).unflatten(1, (2, self.stages))
+        drawn = self.buffers.sample(self.unions, draws.uniform).unflatten(1, (2, self.stages))
+        positive, ready = drawn[:, 0], held.all(1)
+        if draws.shown is not None:
+            shown = self.demonstrations[draws.shown]
+            n = shown.shape[2]
+            few = torch.arange(n, device=shown.device) < round(n * self.settings.demo_fraction)
+            positive = torch.where((few | ~held[:, 0, :, None])[..., None], shown, positive)
+            ready = held[:, 1]
+        return torch.cat([positive, drawn[:, 1]], dim=2), ready
 
     def state(self) -> State:
         """Everything but the stage buffers."""
         return {
             **self.nets.state("nets"),
-            **adam_state(self.adam, "adam"),
+            **self.adam.state("adam"),
             "norm.mean": self.norm.mean,
             "norm.square": self.norm.square,
             "norm.count": self.norm.count,
@@ -168,28 +213,8 @@ class Discriminators:
     def load(self, state: State) -> None:
         """Take what `state` gave."""
         self.nets.load(state, "nets")
-        load_adam(self.adam, state, "adam")
+        self.adam.load(state, "adam")
         self.norm.mean.copy_(state["norm.mean"])
         self.norm.square.copy_(state["norm.square"])
         self.norm.count.copy_(state["norm.count"])
         self.trained.copy_(state["trained"])
-
-    def _has_positive(self) -> Tensor:
-        own = self.buffers.available(self.positive)
-        wanted = self.positive.any(1)
-        return wanted if len(self.demonstrations) else own & wanted
-
-    def _positive(self, n: int) -> Tensor:
-        """Positive states, `demo_fraction` of them (all, without own ones) from demonstrations."""
-        own = self.buffers.sample(self.positive, n, self.generator)
-        if len(self.demonstrations) == 0:
-            return own
-        seeds, stages, _, d = own.shape
-        drawn = torch.randint(
-            len(self.demonstrations), (seeds * stages * n,), generator=self.generator
-        )
-        shown = self.demonstrations.index_select(0, drawn).view(seeds, stages, n, d)
-        few = round(n * self.settings.demo_fraction)
-        from_demo = torch.arange(n) < few
-        from_demo = from_demo | ~self.buffers.available(self.positive)[..., None]
-        return torch.where(from_demo[..., None], shown, own)

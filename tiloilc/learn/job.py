@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import torch
 from gymnasium import spaces
+from threadpoolctl import threadpool_limits
 
 from tiloilc.demos import DemoSet, replay_all
 from tiloilc.diag import CompileError, Diagnostic
@@ -23,10 +24,11 @@ Labels = Callable[[Floats], Int]
 def make_loop(plan: Plan, demos: DemoSet, labels: Labels) -> Loop:
     """The training loop of `plan` at step 0, all of it seeded by the plan's first seed.
 
-    Sets torch to one thread: the many small products of stacked networks run fastest so, and give
-    the same sums on every machine of a kind.
+    Sets torch and numpy's library to one thread: the many small products of stacked networks run
+    fastest so, and give the same sums on every machine of a kind.
     """
     torch.set_num_threads(1)
+    threadpool_limits(1, user_api="blas")
     settings, walk = plan.train, walk_tables(plan.ldba, plan.train.epsilon)
     copies = Copies(plan.environment, settings.seeds)
     shown = _shown(plan, demos, labels, walk, copies)

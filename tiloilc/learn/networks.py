@@ -1,77 +1,220 @@
-"""Perceptrons with leading stacked axes: one program for all seeds, twins and stages."""
+"""Perceptrons with leading stacked axes: one program for all seeds, twins and stages.
+
+Gradients are written out: what autograd adds to each of the many small operations costs as much as
+half of the products themselves.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
 import torch
 from torch import Tensor
+
+from tiloilc.learn.state import State
+
+NORM_EPSILON = 1e-5
+"""Added to the variance that layer normalisation divides by, as in torch."""
+
+
+def product(a: Tensor, b: Tensor, out: Tensor | None = None) -> Tensor:
+    """Stacked matrix product, [stack, n, k] by [stack, k, m], into `out` if given.
+
+    numpy's library multiplies many small matrices faster than torch's batched product does (a
+    third less time for ten seeds of 64 units) and costs less to call; both see the same memory.
+    """
+    if a.shape[2] == 1:
+        return torch.mul(a, b, out=out)
+    if a.device.type != "cpu" or torch.compiler.is_compiling():
+        return torch.bmm(a, b, out=out)
+    if out is not None:
+        np.matmul(a.numpy(), b.numpy(), out=out.numpy())
+        return out
+    return torch.from_numpy(np.matmul(a.numpy(), b.numpy()))
+
+
+@dataclass(frozen=True, slots=True)
+class Tape:
+    """What a forward pass leaves for the way back: inputs, what went into each ReLU, deviations.
+
+    All tensors are [stack, n, …]; `deviations` are empty without layer normalisation.
+    """
+
+    inputs: tuple[Tensor, ...]
+    normal: tuple[Tensor, ...]
+    deviations: tuple[Tensor, ...]
+
+    def rows(self, rows: slice) -> Tape:
+        """The same for some of the n rows."""
+        return Tape(
+            tuple(t[:, rows] for t in self.inputs),
+            tuple(t[:, rows] for t in self.normal),
+            tuple(t[:, rows] for t in self.deviations),
+        )
 
 
 class StackedMLP:
     """`stack` independent perceptrons, ReLU between layers; weights [stack, in, out].
 
-    Initialised as PyTorch's Linear: uniform in ±1/√in. `layer_norm` normalises before each ReLU,
-    without learned scale.
+    All parameters are views of `flat`, their gradients of `gradient`, so that an optimiser's step
+    is one operation. Initialised as PyTorch's Linear: uniform in ±1/√in. `layer_norm` normalises
+    before each ReLU, without learned scale.
     """
 
     def __init__(
         self, stack: int, sizes: Sequence[int], generator: torch.Generator, layer_norm: bool = False
     ) -> None:
         self.stack, self.sizes, self.layer_norm = stack, tuple(sizes), layer_norm
-        self.weights: list[Tensor] = []
-        self.biases: list[Tensor] = []
-        for inputs, outputs in pairwise(sizes):
-            bound = 1 / math.sqrt(inputs)
-            weight = torch.empty(stack, inputs, outputs).uniform_(
-                -bound, bound, generator=generator
-            )
-            bias = torch.empty(stack, 1, outputs).uniform_(-bound, bound, generator=generator)
-            self.weights.append(weight.requires_grad_())
-            self.biases.append(bias.requires_grad_())
+        count = sum(stack * (inputs + 1) * outputs for inputs, outputs in pairwise(self.sizes))
+        self.flat = torch.empty(count, device=generator.device)
+        self.gradient = torch.zeros_like(self.flat)
+        self.weights, self.biases = self._views(self.flat)
+        self._to_weights, self._to_biases = self._views(self.gradient)
+        for weight, bias in zip(self.weights, self.biases, strict=True):
+            bound = 1 / math.sqrt(weight.shape[1])
+            for parameter in (weight, bias):
+                parameter.uniform_(-bound, bound, generator=generator)
+
+    def _views(self, flat: Tensor) -> tuple[list[Tensor], list[Tensor]]:
+        weights: list[Tensor] = []
+        biases: list[Tensor] = []
+        start = 0
+        for inputs, outputs in pairwise(self.sizes):
+            for views, size in ((weights, inputs), (biases, 1)):
+                shape = (self.stack, size, outputs)
+                views.append(flat[start : start + math.prod(shape)].view(shape))
+                start += math.prod(shape)
+        return weights, biases
 
     @property
     def parameters(self) -> list[Tensor]:
         """All parameters, layer by layer."""
         return [p for pair in zip(self.weights, self.biases, strict=True) for p in pair]
 
+    @property
+    def slopes(self) -> list[Tensor]:
+        """What `backward` found for each of `parameters`."""
+        return [p for pair in zip(self._to_weights, self._to_biases, strict=True) for p in pair]
+
     def __call__(self, x: Tensor) -> Tensor:
         """Inputs [stack, n, in] to outputs [stack, n, out]."""
+        return self.forward(x)[0]
+
+    def forward(self, x: Tensor) -> tuple[Tensor, Tape]:
+        """Inputs [stack, n, in] to outputs [stack, n, out], and what `backward` needs."""
+        inputs, normal, deviations = [], [], []
         last = len(self.weights) - 1
         for i, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
-            x = torch.baddbmm(bias, x, weight)
-            if i < last:
-                if self.layer_norm:
-                    x = torch.nn.functional.layer_norm(x, x.shape[-1:])
-                x = torch.relu(x)
-        return x
+            inputs.append(x)
+            x = product(x, weight).add_(bias)
+            if i == last:
+                break
+            if self.layer_norm:
+                x -= x.mean(-1, keepdim=True)
+                deviation = x.square().mean(-1, keepdim=True).add_(NORM_EPSILON).sqrt_()
+                x /= deviation
+                normal.append(x)
+                deviations.append(deviation)
+                x = x.relu()
+            else:
+                x = x.relu_()
+                normal.append(x)
+        return x, Tape(tuple(inputs), tuple(normal), tuple(deviations))
+
+    def backward(self, tape: Tape, slope: Tensor) -> None:
+        """Write into `gradient` what a loss of `slope` [stack, n, out] at the outputs gives."""
+        for i, at_layer in self._slopes(tape, slope):
+            torch.sum(at_layer, 1, keepdim=True, out=self._to_biases[i])
+            product(tape.inputs[i].transpose(1, 2), at_layer, out=self._to_weights[i])
+
+    def input_slope(self, tape: Tape, slope: Tensor, last: int) -> Tensor:
+        """The loss's slope [stack, n, last] at the `last` components of the inputs."""
+        for _, at_layer in self._slopes(tape, slope):
+            slope = at_layer
+        return product(slope, self.weights[0][:, -last:].transpose(1, 2))
+
+    def _slopes(self, tape: Tape, slope: Tensor) -> Iterator[tuple[int, Tensor]]:
+        """The loss's slope at what each layer puts out, from the last to the first."""
+        yield len(self.weights) - 1, slope
+        for i in reversed(range(len(self.weights) - 1)):
+            slope = product(slope, self.weights[i + 1].transpose(1, 2))
+            x = tape.normal[i]
+            slope = torch.ops.aten.threshold_backward(slope, x, 0)
+            if self.layer_norm:
+                along = (slope * x).mean(-1, keepdim=True)
+                slope = slope.sub_(slope.mean(-1, keepdim=True)).addcmul_(x, along, value=-1)
+                slope = slope.div_(tape.deviations[i])
+            yield i, slope
 
     def clone(self) -> StackedMLP:
-        """A copy with parameters of its own that take no gradient."""
+        """A copy with parameters of its own."""
         copy = object.__new__(StackedMLP)
         copy.stack, copy.sizes, copy.layer_norm = self.stack, self.sizes, self.layer_norm
-        copy.weights = [w.detach().clone() for w in self.weights]
-        copy.biases = [b.detach().clone() for b in self.biases]
+        copy.flat, copy.gradient = self.flat.clone(), torch.zeros_like(self.flat)
+        copy.weights, copy.biases = copy._views(copy.flat)
+        copy._to_weights, copy._to_biases = copy._views(copy.gradient)
         return copy
 
     def follow(self, other: StackedMLP, tau: float) -> None:
         """Move every parameter by `tau` towards the other's (Polyak averaging)."""
-        with torch.no_grad():
-            torch._foreach_lerp_(self.parameters, [p.detach() for p in other.parameters], tau)
+        self.flat.lerp_(other.flat, tau)
 
-    def state(self, prefix: str) -> dict[str, Tensor]:
+    def state(self, prefix: str) -> State:
         """Named parameters, for a checkpoint."""
-        return {f"{prefix}.{i}": p.detach() for i, p in enumerate(self.parameters)}
+        return {f"{prefix}.{i}": p for i, p in enumerate(self.parameters)}
 
-    def load(self, state: dict[str, Tensor], prefix: str) -> None:
+    def load(self, state: State, prefix: str) -> None:
         """Take the parameters that `state` gave."""
-        with torch.no_grad():
-            for i, parameter in enumerate(self.parameters):
-                parameter.copy_(state[f"{prefix}.{i}"])
+        for i, parameter in enumerate(self.parameters):
+            parameter.copy_(state[f"{prefix}.{i}"])
 
 
-def adam(parameters: list[Tensor], rate: float) -> torch.optim.Adam:
-    """Adam in its fused form."""
-    return torch.optim.Adam(parameters, lr=rate, fused=True)
+class Adam:
+    """Adam (Kingma and Ba 2015) on all parameters of a stack at once, in torch's fused form."""
+
+    def __init__(self, flat: Tensor, gradient: Tensor, rate: float) -> None:
+        self.flat, self.gradient, self.rate = flat, gradient, rate
+        self.mean, self.square = torch.zeros_like(flat), torch.zeros_like(flat)
+        self.steps = torch.zeros((), device=flat.device)
+
+    def step(self) -> None:
+        """Move the parameters against their gradient."""
+        self.steps += 1
+        torch._fused_adam_(
+            [self.flat],
+            [self.gradient],
+            [self.mean],
+            [self.square],
+            [],
+            [self.steps],
+            lr=self.rate,
+            beta1=0.9,
+            beta2=0.999,
+            weight_decay=0.0,
+            eps=1e-8,
+            amsgrad=False,
+            maximize=False,
+        )
+
+    def reset(self) -> None:
+        """Forget all momentum: for the moment when a loss changes its meaning."""
+        for moment in (self.mean, self.square, self.steps):
+            moment.zero_()
+
+    def state(self, prefix: str) -> State:
+        """The moments, for a checkpoint."""
+        return {
+            f"{prefix}.mean": self.mean,
+            f"{prefix}.square": self.square,
+            f"{prefix}.steps": self.steps,
+        }
+
+    def load(self, state: State, prefix: str) -> None:
+        """Take what `state` gave."""
+        self.mean.copy_(state[f"{prefix}.mean"])
+        self.square.copy_(state[f"{prefix}.square"])
+        self.steps.copy_(state[f"{prefix}.steps"])

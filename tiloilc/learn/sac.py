@@ -7,21 +7,51 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor
+from torch.nn.functional import softplus
 
-from tiloilc.learn.networks import StackedMLP, adam
-from tiloilc.learn.state import adam_state, load_adam
+from tiloilc.learn.networks import Adam, StackedMLP, Tape
+from tiloilc.learn.state import State
 from tiloilc.spec.settings import Settings
 
 LOG_STD_MIN, LOG_STD_MAX = -5.0, 2.0
 """The range of the policy's log standard deviation, as in the usual implementations."""
 
+HALF_RANGE = 0.5 * (LOG_STD_MAX - LOG_STD_MIN)
+
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """Actions in (−1, 1) [seed, n, m] and their log-density [seed, n]."""
+    """Actions in (−1, 1) [seed, n, m] and their log-density [seed, n].
+
+    For the way back: the mean and what was added to it before the tanh, tanh of what log σ comes
+    from, all [seed, n, m], and the actor's tape.
+    """
 
     action: Tensor
     log_density: Tensor
+    mean: Tensor
+    added: Tensor
+    squashed: Tensor
+    tape: Tape
+
+    def rows(self, rows: slice) -> Sample:
+        """Some of the n rows."""
+        return Sample(
+            self.action[:, rows],
+            self.log_density[:, rows],
+            self.mean[:, rows],
+            self.added[:, rows],
+            self.squashed[:, rows],
+            self.tape.rows(rows),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Imitated:
+    """Demonstrated actions [seed, n, m] for the first n rows of a batch, and what they weigh."""
+
+    action: Tensor
+    weight: Tensor
 
 
 class SoftActorCritic:
@@ -30,117 +60,144 @@ class SoftActorCritic:
     def __init__(
         self, seeds: int, inputs: int, actions: int, settings: Settings, generator: torch.Generator
     ) -> None:
-        self.seeds, self.actions, self.settings, self.generator = (
-            seeds,
-            actions,
-            settings,
-            generator,
-        )
-        self.actor = StackedMLP(seeds, [inputs, *settings.actor_hidden, 2 * actions], generator)
-        self.critics = StackedMLP(
-            2 * seeds,
-            [inputs + actions, *settings.critic_hidden, 1],
-            generator,
-            layer_norm=settings.layer_norm,
-        )
+        self.seeds, self.actions, self.settings = seeds, actions, settings
+        self.generator = generator
+        s = settings
+        self.actor = StackedMLP(seeds, [inputs, *s.actor_hidden, 2 * actions], generator)
+        sizes = [inputs + actions, *s.critic_hidden, 1]
+        self.critics = StackedMLP(2 * seeds, sizes, generator, layer_norm=s.layer_norm)
         self.targets = self.critics.clone()
-        tuned = settings.entropy == "tuned"
-        start = 1.0 if tuned else max(float(settings.entropy), 1e-8)
-        self.log_alpha = torch.full((seeds,), math.log(start), requires_grad=tuned)
-        self.reset_optimisers()
+        self.tuned = s.entropy == "tuned"
+        start = 0.0 if self.tuned else math.log(max(float(s.entropy), 1e-8))
+        self.log_alpha = torch.full((seeds,), start, device=generator.device)
+        self._to_alpha = torch.zeros_like(self.log_alpha)
+        self.actor_adam = Adam(self.actor.flat, self.actor.gradient, s.actor_rate)
+        self.critic_adam = Adam(self.critics.flat, self.critics.gradient, s.critic_rate)
+        self.alpha_adam = Adam(self.log_alpha, self._to_alpha, s.critic_rate)
 
     def reset_optimisers(self) -> None:
         """Forget all momentum: for the moment when a loss changes its meaning."""
-        s = self.settings
-        self.actor_adam = adam(self.actor.parameters, s.actor_rate)
-        self.critic_adam = adam(self.critics.parameters, s.critic_rate)
-        self.alpha_adam = adam([self.log_alpha], s.critic_rate)
+        for adam in (self.actor_adam, self.critic_adam, self.alpha_adam):
+            adam.reset()
 
     def mean_action(self, x: Tensor) -> Tensor:
         """The greedy action, [seed, n, m]."""
         return torch.tanh(self.actor(x)[..., : self.actions])
 
-    def sample(self, x: Tensor) -> Sample:
+    def noise(self, count: int) -> Tensor:
+        """What `sample` needs for `count` rows of each seed: [seed, count, m]."""
+        shape = (self.seeds, count, self.actions)
+        return torch.randn(shape, generator=self.generator, device=self.generator.device)
+
+    def sample(self, x: Tensor, noise: Tensor | None = None) -> Sample:
         """An action of the stochastic policy with its log-density after the tanh."""
-        mean, raw = self.actor(x).split(self.actions, dim=-1)
-        log_std = LOG_STD_MIN + 0.5 * (LOG_STD_MAX - LOG_STD_MIN) * (torch.tanh(raw) + 1)
-        noise = torch.randn(mean.shape, generator=self.generator)
-        before = mean + log_std.exp() * noise
+        if noise is None:
+            noise = self.noise(x.shape[1])
+        out, tape = self.actor.forward(x)
+        mean, raw = out.split(self.actions, dim=-1)
+        squashed = torch.tanh(raw)
+        log_std = LOG_STD_MIN + HALF_RANGE * (squashed + 1)
+        added = log_std.exp() * noise
+        before = mean + added
         gaussian = -0.5 * noise.square() - log_std - 0.5 * math.log(2 * math.pi)
         # log(1 - tanh²(u)) = 2 (log 2 - u - softplus(-2u)), stable for large |u|
-        squash = 2 * (math.log(2) - before - torch.nn.functional.softplus(-2 * before))
-        return Sample(torch.tanh(before), (gaussian - squash).sum(-1))
+        squash = 2 * (math.log(2) - before - softplus(-2 * before))
+        density = (gaussian - squash).sum(-1)
+        return Sample(torch.tanh(before), density, mean, added, squashed, tape)
 
     def q(self, critics: StackedMLP, x: Tensor, action: Tensor) -> Tensor:
         """Both critics' values, [seed, 2, n]."""
-        joint = torch.cat([x, action], dim=-1)
-        return critics(joint.repeat_interleave(2, dim=0)).view(self.seeds, 2, -1)
+        return self._q(critics, x, action)[0]
 
-    @torch.no_grad()
-    def soft_value(self, x: Tensor) -> Tensor:
+    def _q(self, critics: StackedMLP, x: Tensor, action: Tensor) -> tuple[Tensor, Tape]:
+        joint = torch.cat([x, action], dim=-1)
+        value, tape = critics.forward(joint.repeat_interleave(2, dim=0))
+        return value.view(self.seeds, 2, -1), tape
+
+    def soft_value(self, x: Tensor, drawn: Sample | None = None) -> Tensor:
         """V(x) = min Q_target(x, a) − α log π(a | x) for one sampled a; [seed, n]."""
-        drawn = self.sample(x)
+        drawn = self.sample(x) if drawn is None else drawn
         alpha = self.log_alpha.exp()[:, None]
         return self.q(self.targets, x, drawn.action).amin(1) - alpha * drawn.log_density
 
     def update_critics(self, x: Tensor, action: Tensor, target: Tensor) -> Tensor:
         """One step on Eq. 3 towards `target` [seed, n]; the loss of each seed."""
-        error = self.q(self.critics, x, action) - target[:, None]
-        loss = 0.5 * error.square().mean(2).sum(1)
-        self.critic_adam.zero_grad()
-        loss.sum().backward()
+        value, tape = self._q(self.critics, x, action)
+        error = value - target[:, None]
+        self.critics.backward(tape, (error / error.shape[2]).view(2 * self.seeds, -1, 1))
         self.critic_adam.step()
-        return loss.detach()
+        return 0.5 * error.square().mean(2).sum(1)
 
-    def update_actor(self, x: Tensor, extra: Tensor | None = None) -> Tensor:
-        """One step on Eq. 5, plus an `extra` loss [seed], then the temperature's."""
-        alpha = self.log_alpha.detach().exp()[:, None]
-        drawn = self.sample(x)
-        value = self.q(self.critics, x, drawn.action).amin(1)
-        loss = (alpha * drawn.log_density - value).mean(1)
-        if extra is not None:
-            loss = loss + extra
-        self.actor_adam.zero_grad()
-        loss.sum().backward(inputs=self.actor.parameters)
+    def update_actor(
+        self, x: Tensor, drawn: Sample | None = None, imitated: Imitated | None = None
+    ) -> Tensor:
+        """One step on Eq. 5, plus the loss of imitating what is `imitated`; then the temperature's.
+
+        The slopes of Eq. 5, with u what goes into the tanh, a = tanh u and log π = Σ log π(aᵢ):
+        ∂ log π / ∂u = 2a, ∂a / ∂u = 1 − a², ∂u / ∂ log σ = u − mean, and log σ lowers log π by 1.
+        """
+        drawn = self.sample(x) if drawn is None else drawn
+        n, m = x.shape[1], self.actions
+        alpha = self.log_alpha.exp()[:, None]
+        value, tape = self._q(self.critics, x, drawn.action)
+        least, which = value.min(1)
+        loss = (alpha * drawn.log_density - least).mean(1)
+        to_value = torch.stack([which - 1.0, 0.0 - which], dim=1).view(-1, n, 1) / n
+        to_action = self.critics.input_slope(tape, to_value, m).view(-1, 2, n, m).sum(1)
+        action, entropy = drawn.action, alpha[..., None] / n
+        to_mean = 2 * entropy * action + to_action * (1 - action.square())
+        to_log_std = to_mean * drawn.added - entropy
+        to_raw = to_log_std * HALF_RANGE * (1 - drawn.squashed.square())
+        if imitated is not None:
+            rows = imitated.action.shape[1]
+            distance, slope = imitation(drawn.mean[:, :rows], imitated.action)
+            to_mean[:, :rows] += imitated.weight * slope
+            loss = loss + imitated.weight * distance
+        self.actor.backward(drawn.tape, torch.cat([to_mean, to_raw], dim=-1))
         self.actor_adam.step()
-        if self.log_alpha.requires_grad:
-            wanted = self.settings.target_entropy * self.actions
-            gap = (drawn.log_density.detach() + wanted).mean(1)
-            self.alpha_adam.zero_grad()
-            (-self.log_alpha * gap).sum().backward()
+        if self.tuned:
+            wanted = self.settings.target_entropy * m
+            torch.mean(-wanted - drawn.log_density, 1, out=self._to_alpha)
             self.alpha_adam.step()
-        return loss.detach()
+        return loss
 
     def follow(self) -> None:
         """Move the target critics."""
         self.targets.follow(self.critics, self.settings.tau)
 
-    def policy(self) -> dict[str, Tensor]:
+    def policy(self) -> State:
         """What acting needs."""
         actor, critics = self.actor.state("actor"), self.critics.state("critics")
-        return {**actor, **critics, "log_alpha": self.log_alpha.detach()}
+        return {**actor, **critics, "log_alpha": self.log_alpha}
 
-    def state(self) -> dict[str, Tensor]:
+    def state(self) -> State:
         """Everything, for a checkpoint."""
         return {
             **self.policy(),
             **self.targets.state("targets"),
-            **adam_state(self.actor_adam, "actor_adam"),
-            **adam_state(self.critic_adam, "critic_adam"),
-            **adam_state(self.alpha_adam, "alpha_adam"),
+            **self.actor_adam.state("actor_adam"),
+            **self.critic_adam.state("critic_adam"),
+            **self.alpha_adam.state("alpha_adam"),
         }
 
-    def load_policy(self, state: dict[str, Tensor]) -> None:
+    def load_policy(self, state: State) -> None:
         """Take what `policy` gave."""
         self.actor.load(state, "actor")
         self.critics.load(state, "critics")
-        with torch.no_grad():
-            self.log_alpha.copy_(state["log_alpha"])
+        self.log_alpha.copy_(state["log_alpha"])
 
-    def load(self, state: dict[str, Tensor]) -> None:
+    def load(self, state: State) -> None:
         """Take what `state` gave."""
         self.load_policy(state)
         self.targets.load(state, "targets")
-        load_adam(self.actor_adam, state, "actor_adam")
-        load_adam(self.critic_adam, state, "critic_adam")
-        load_adam(self.alpha_adam, state, "alpha_adam")
+        self.actor_adam.load(state, "actor_adam")
+        self.critic_adam.load(state, "critic_adam")
+        self.alpha_adam.load(state, "alpha_adam")
+
+
+def imitation(mean: Tensor, action: Tensor) -> tuple[Tensor, Tensor]:
+    """Squared error [seed] of the greedy action, and its slope at the `mean` [seed, n, m]."""
+    greedy = torch.tanh(mean)
+    error = greedy - action
+    slope = error * (1 - greedy.square()) * (2 / (error.shape[1] * error.shape[2]))
+    return error.square().mean((1, 2)), slope
