@@ -2,6 +2,8 @@
 
 import json
 import os
+import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -11,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.running import Run, runner
+from tests.learn.kills import TASKS, Task, left_by
 
 GRID = """\
 name: round
@@ -26,6 +29,23 @@ formula: "G F (a & X F b) & G !z"
 demonstrations: {source: expert, count: 2, max_visits: 1, actions: inferred}
 train: {steps: 60, seeds: 2, learning_starts: 20, checkpoint_every: 10}
 evaluate: {episodes: 2, every: 30}
+"""
+
+CHATTY = """\
+import os
+
+import gymnasium
+from tiloilc.tasks.grids import GridCircularEnv
+
+
+class Chatty(GridCircularEnv):
+    def step(self, action):
+        print("said by print")
+        os.write(1, b"said by a library\\n")
+        return super().step(action)
+
+
+gymnasium.register("Chatty-v0", Chatty)
 """
 
 FLAT = """\
@@ -232,9 +252,9 @@ def policies(run: Path) -> list[bytes]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kill", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("kill", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize(("text", "steps"), [(GRID, 4000), (FLAT, 600)], ids=["table", "sac"])
-def test_a_killed_program_resumed_ends_as_if_never_killed(
+def test_an_interrupted_program_resumed_ends_as_if_never_interrupted(
     workdir: Path, root: Path, run: Run, kill: signal.Signals, text: str, steps: int
 ) -> None:
     (workdir / "task.yaml").write_text(text, encoding="utf-8")
@@ -248,12 +268,9 @@ def test_a_killed_program_resumed_ends_as_if_never_killed(
     time.sleep(0.2)  # somewhere between two checkpoints
     process.send_signal(kill)
     _, err = process.communicate(timeout=60)
-    if kill == signal.SIGKILL:
-        assert process.returncode == -signal.SIGKILL
-    else:
-        assert process.returncode == 130, err
-        assert f"tiloilc train {first.as_posix()} --resume" in err
-        assert "Traceback" not in err
+    assert process.returncode == 130, err
+    assert f"tiloilc train {first.as_posix()} --resume" in err
+    assert "Traceback" not in err
     assert not (first / "checkpoints" / "last.safetensors").exists()
     done = subprocess.run(program("train", first, "--resume", "-q"), env=env, timeout=120)
     assert done.returncode == 0
@@ -262,6 +279,100 @@ def test_a_killed_program_resumed_ends_as_if_never_killed(
     second = Path("runs") / name / "0002"
     assert (first / "events.jsonl").read_bytes() == (second / "events.jsonl").read_bytes()
     assert policies(first) == policies(second) != []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TASKS)
+def test_a_program_killed_at_any_moment_ends_as_if_never_killed(
+    workdir: Path, name: str, seed: int = 0
+) -> None:
+    """`python -m tests.learn.kills` does this at twenty moments."""
+    task = Task(workdir / name, TASKS[name])
+    for killed in task.kills(2, random.Random(seed)):
+        assert killed.alike, killed
+
+
+@pytest.mark.slow
+def test_a_full_disk_ends_in_a_finding_and_an_intact_checkpoint(
+    workdir: Path, root: Path, run: Run
+) -> None:
+    resource = pytest.importorskip("resource")
+    task = Task(workdir / "table", TASKS["table"])
+    folder = workdir / "runs" / "table" / "0001"
+    process = subprocess.Popen(
+        program("train", "table/build", "-q"),
+        env=environment(root),
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    wait_for(folder / "checkpoints" / "last.json", process)
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (9999, 9999))  # less than a table takes
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert err.startswith("error[RUN703]: cannot write in `runs/table/0001/checkpoints`")
+    assert "--resume" in err
+    status, _, err = run("train", folder, "--resume")
+    assert status == 0
+    assert "going on at step" in err
+    assert "before the last" not in err
+    assert left_by(folder) == left_by(task.whole)
+
+
+def test_ctrl_c_before_the_first_step_leaves_no_run_folder(
+    build: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("tiloilc.evaluate.protocol.Validator", interrupted)
+        assert run("train", build, "-q") == (130, "", "")
+    assert not list(Path("runs").glob("*/*"))
+
+
+def test_a_run_killed_before_its_first_step_can_be_resumed(build: Path, run: Run) -> None:
+    run("train", build, "-q")
+    first, second = (Path(f"runs/round/{n}") for n in ("0001", "0002"))
+    second.mkdir()
+    for name in ("plan.json", "demos.npz", "demos.json"):
+        shutil.copy(first / name, second / name)
+    (second / "events.jsonl").touch()
+    status, out, err = run("train", build, "--resume")
+    assert (status, out) == (0, "runs/round/0002\n")
+    assert "beginning again: no checkpoint had been written" in err
+    assert policies(first) == policies(second) != []
+
+
+def test_what_an_environment_prints_is_no_result(
+    workdir: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (workdir / "chatty.py").write_text(CHATTY, encoding="utf-8")
+    text = GRID.replace("tiloilc/GridCircular-v0", "chatty:Chatty-v0")
+    (workdir / "task.yaml").write_text(text, encoding="utf-8")
+    run = runner(capfd)
+    assert run("compile", "task.yaml", "-q")[1] == "build/round\n"
+    status, out, err = run("train", "build/round", "-q")
+    assert (status, out) == (0, "runs/round/0001\n")
+    assert "said by print" in err
+    assert "said by a library" in err
+    for command in (
+        ("lint", "task.yaml", "--format", "json"),
+        ("eval", "runs/round/0001"),
+        ("report", "runs/round/0001"),
+        ("step", "task.yaml", "--demo", 0),
+    ):
+        status, out, err = run(*command)
+        assert (status, out == "") == (0, False), err
+        assert "said" not in out, command
+
+
+def test_a_damaged_file_of_records_is_noticed_before_training(build: Path, run: Run) -> None:
+    Path("records.jsonl.gz").write_bytes(b"damaged")
+    status, out, err = run("run", "round.yaml", "--record", "records.jsonl.gz")
+    assert (status, out) == (1, "")
+    assert "RUN701" in err
+    assert "records.jsonl.gz" in err
+    assert not Path("runs").exists()
 
 
 def test_a_run_is_trained_by_one_process_at_a_time(build: Path, run: Run) -> None:

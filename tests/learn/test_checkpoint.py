@@ -3,6 +3,8 @@
 import errno
 import json
 import os
+import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -10,57 +12,222 @@ import torch
 
 from tiloilc.diag import CompileError
 from tiloilc.learn.best import Best
-from tiloilc.learn.checkpoint import load_checkpoint, replace_file, save_checkpoint
+from tiloilc.learn.checkpoint import Checkpoint, Checkpoints, load_checkpoint, replace_file
 from tiloilc.learn.events import Events, last_events
+from tiloilc.learn.ring import Ring
 
 
-def write(folder: Path, step: int, value: float = 0.0) -> None:
-    state = {"x": torch.full((3,), float(step) + value), "view": torch.eye(4)[:, 1:3]}
-    save_checkpoint(folder, state, step, 10 * step, "plan")
+class Run:
+    """Two rings of different speeds, and a number; each `go` is some steps and a checkpoint."""
+
+    def __init__(self, folder: Path, resumed: Checkpoint | None = None) -> None:
+        self.folder = folder
+        self.rows, self.written = torch.zeros(2, 8, 1), torch.zeros(2, dtype=torch.long)
+        self.step = 0
+        if resumed is not None:
+            state = resumed.state()
+            self.step, self.written = int(state["step"]), state["written"]
+            resumed.restore(self.rings())
+        self.checkpoints = Checkpoints(folder, "plan", resumed)
+
+    def rings(self) -> dict[str, Ring]:
+        return {"rows": Ring(self.rows, self.written)}
+
+    def go(self, steps: int = 1) -> None:
+        for _ in range(steps):
+            self.step += 1
+            for ring, speed in enumerate((1, 3)):
+                for k in range(speed):
+                    self.rows[ring, int(self.written[ring]) % 8] = 100 * self.step + k
+                    self.written[ring] += 1
+        view = torch.full((3, 4), float(self.step)).T[1:]
+        state = {"step": torch.tensor(self.step), "written": self.written, "view": view}
+        self.checkpoints.save(state, self.rings(), self.step, 0.5, 10 * self.step)
+        self.checkpoints.wait()
+
+
+def loaded(folder: Path) -> Checkpoint:
+    found = load_checkpoint(folder, "plan")
+    assert found is not None
+    return found
+
+
+def rows_of(checkpoint: Checkpoint) -> torch.Tensor:
+    rings = {"rows": Ring(torch.zeros(2, 8, 1), torch.zeros(2, dtype=torch.long))}
+    checkpoint.restore(rings)
+    return rings["rows"].rows
+
+
+def written(folder: Path, *steps: int) -> Run:
+    run = Run(folder)
+    for count in steps:
+        run.go(count)
+    return run
+
+
+def pointer(folder: Path, name: str = "last") -> dict[str, object]:
+    read = json.loads((folder / f"{name}.json").read_text())
+    assert isinstance(read, dict)
+    return read
+
+
+def files(folder: Path, name: str = "last") -> list[str]:
+    read = pointer(folder, name)
+    return [file["name"] for file in [read["state"], *read["rows"]]]  # type: ignore[index, misc]
 
 
 def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
-    write(tmp_path, 7)
-    state, pointer, problem = load_checkpoint(tmp_path, "plan")
-    assert state["x"].tolist() == [7, 7, 7]
-    assert torch.equal(state["view"], torch.eye(4)[:, 1:3])
-    assert (pointer.step, pointer.events_bytes, problem) == (7, 70, None)
+    run = written(tmp_path, 7)
+    found = loaded(tmp_path)
+    assert torch.equal(found.state()["view"], torch.full((3, 3), 7.0))
+    assert torch.equal(rows_of(found), run.rows)
+    about = found.pointer
+    assert (about.step, about.seconds, about.events_bytes, found.problem) == (7, 0.5, 70, None)
 
 
-@pytest.mark.parametrize(
-    ("damage", "problem"),
-    [
-        (lambda f: (f / "0000000002.safetensors").write_bytes(b"x"), "is damaged"),
-        (lambda f: (f / "0000000002.safetensors").unlink(), "0000000002.safetensors is missing"),
-        (lambda f: (f / "last.json").unlink(), "last.json is missing"),
-        (lambda f: (f / "last.json").write_text("{"), "line 1"),
-        (lambda f: (f / "last.json").write_text("[1]"), "Pointer"),
-        (lambda f: (f / "last.json").write_text('{"file": 3}'), "missing"),
-    ],
-)
-def test_a_damaged_checkpoint_falls_back_to_the_one_before_and_says_so(
-    tmp_path: Path, damage, problem: str
+def test_where_nothing_was_written_there_is_no_checkpoint(tmp_path: Path) -> None:
+    assert load_checkpoint(tmp_path, "plan") is None
+    assert load_checkpoint(tmp_path / "none", "plan") is None
+
+
+def test_training_may_go_on_while_a_checkpoint_is_written(tmp_path: Path) -> None:
+    run, begin = written(tmp_path, 1), threading.Event()
+    before = run.rows.clone()
+    state = {"step": torch.tensor(1)}
+    run.checkpoints.save(state, run.rings(), 2, 0.0, 0, sync=lambda: begin.wait() and None)
+    run.checkpoints.check()  # nothing has gone wrong
+    assert loaded(tmp_path).pointer.step == 1
+    state["step"] += 1
+    run.rows += 1
+    run.written += 1
+    begin.set()
+    run.checkpoints.wait()
+    assert loaded(tmp_path).pointer.step == 2
+    assert int(loaded(tmp_path).state()["step"]) == 1
+    assert torch.equal(rows_of(loaded(tmp_path)), before)
+
+
+def test_what_goes_wrong_in_the_thread_is_raised_by_the_next_call(tmp_path: Path) -> None:
+    run = written(tmp_path, 1)
+
+    def full() -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    run.checkpoints.save({}, run.rings(), 2, 0.0, 0, sync=full)
+    with pytest.raises(CompileError, match=r"RUN703.*no space left"):
+        while True:
+            run.checkpoints.check()
+    with pytest.raises(CompileError, match="RUN703"), run.checkpoints:
+        run.checkpoints.save({}, run.rings(), 2, 0.0, 0, sync=full)
+
+
+# rows
+
+
+def test_only_new_rows_are_written(tmp_path: Path) -> None:
+    run = written(tmp_path, 1)
+    sizes = []
+    for _ in range(4):
+        run.go()
+        newest = tmp_path / files(tmp_path)[-1]
+        sizes.append(newest.stat().st_size)
+    assert len(files(tmp_path)) == 4
+    assert sizes[1:] == [sizes[1]] * 3  # two steps' rows each: there are two chains
+
+
+def test_the_last_two_checkpoints_share_no_file(tmp_path: Path) -> None:
+    run = Run(tmp_path)
+    for _ in range(9):
+        run.go()
+        if run.step > 1:
+            assert not set(files(tmp_path)) & set(files(tmp_path, "previous"))
+            previous = {p.name for p in tmp_path.glob("*.safetensors")}
+            assert previous == {*files(tmp_path), *files(tmp_path, "previous")}  # no other is kept
+
+
+@pytest.mark.parametrize("resume", [False, True])
+def test_rows_are_the_same_however_often_their_ring_went_round(
+    tmp_path: Path, resume: bool
 ) -> None:
-    write(tmp_path, 1)
-    write(tmp_path, 2)
+    run = Run(tmp_path)
+    for steps in (1, 1, 2, 1, 9, 1, 3, 3, 1, 1, 1, 1, 1):
+        run.go(steps)
+        assert torch.equal(rows_of(loaded(tmp_path)), run.rows)
+        if resume:
+            expected, run = run, Run(tmp_path, loaded(tmp_path))
+            assert torch.equal(run.rows, expected.rows)
+
+
+def test_rows_that_were_overwritten_do_not_stay_for_ever(tmp_path: Path) -> None:
+    run, most = Run(tmp_path), 0
+    for _ in range(60):
+        run.go()
+        most = max(most, len(files(tmp_path)))
+    assert 3 <= most <= 8  # two turns of the slow ring at most, two steps a file
+
+
+def test_a_chain_is_not_continued_unless_it_was_read(tmp_path: Path) -> None:
+    """After resuming nobody knows whether the checkpoint before the last is whole."""
+    written(tmp_path, 1, 1, 1, 1)
+    for name in files(tmp_path, "previous"):
+        (tmp_path / name).write_bytes(b"damaged")
+    run = Run(tmp_path, loaded(tmp_path))
+    for _ in range(3):
+        run.go()
+        assert torch.equal(rows_of(loaded(tmp_path)), run.rows)
+
+
+# damage
+
+
+def damages() -> Iterator[Callable[[Path], None]]:
+    def state(folder: Path) -> Path:
+        return folder / files(folder)[0]
+
+    def rows(folder: Path) -> Path:
+        return folder / files(folder)[1]
+
+    yield lambda f: state(f).write_bytes(b"x") and None
+    yield lambda f: os.truncate(state(f), 40)
+    yield lambda f: state(f).unlink()
+    yield lambda f: rows(f).write_bytes(rows(f).read_bytes()[:-1] + b"x") and None
+    yield lambda f: rows(f).unlink()
+    yield lambda f: (f / "last.json").unlink()
+    for text in ("", "{", "[1]", '{"step": 3}'):
+        yield lambda f, text=text: (f / "last.json").write_text(text) and None  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("damage", list(damages()))
+def test_a_damaged_checkpoint_falls_back_to_the_one_before_and_says_so(
+    tmp_path: Path, damage: Callable[[Path], None]
+) -> None:
+    run = Run(tmp_path)
+    for _ in range(4):
+        run.go()
+    expected = run.rows.clone()
+    run.go()
     damage(tmp_path)
-    state, pointer, said = load_checkpoint(tmp_path, "plan")
-    assert pointer.step == 1
-    assert state["x"].tolist() == [1, 1, 1]
-    assert problem in said
+    found = loaded(tmp_path)
+    assert found.pointer.step == int(found.state()["step"]) == 4
+    assert torch.equal(rows_of(found), expected)
+    assert found.problem is not None
+    assert found.problem.endswith(("is damaged", "is missing"))
+    again = Run(tmp_path, found)  # and goes on as if there had been no other
+    again.go()
+    assert loaded(tmp_path).problem is None
+    assert torch.equal(rows_of(loaded(tmp_path)), run.rows)
 
 
 def test_without_a_whole_checkpoint_there_is_a_finding(tmp_path: Path) -> None:
-    with pytest.raises(CompileError, match=r"RUN701"):
-        load_checkpoint(tmp_path / "none", "plan")
-    write(tmp_path, 1)
-    (tmp_path / "0000000001.safetensors").write_bytes(b"")
+    written(tmp_path, 1, 1)
+    for path in tmp_path.glob("*.safetensors"):
+        path.write_bytes(b"")
     with pytest.raises(CompileError, match=r"RUN701.*damaged"):
         load_checkpoint(tmp_path, "plan")
 
 
 def test_a_checkpoint_of_another_plan_is_refused(tmp_path: Path) -> None:
-    write(tmp_path, 1)
+    written(tmp_path, 1)
     with pytest.raises(CompileError, match="RUN704"):
         load_checkpoint(tmp_path, "another plan")
 
@@ -68,15 +235,14 @@ def test_a_checkpoint_of_another_plan_is_refused(tmp_path: Path) -> None:
 def test_a_folder_that_cannot_be_made_is_a_finding(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(CompileError, match=r"RUN703"):
-        write(tmp_path / "file" / "checkpoints", 1)
+        written(tmp_path / "file" / "checkpoints", 1)
 
 
 @pytest.mark.parametrize("place", ["fsync", "replace"])
 def test_a_full_disk_is_a_finding_and_leaves_what_was_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
 ) -> None:
-    write(tmp_path, 1)
-    write(tmp_path, 2)
+    run = written(tmp_path, 1, 1)
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
 
     def full(*arguments: object) -> None:
@@ -85,17 +251,16 @@ def test_a_full_disk_is_a_finding_and_leaves_what_was_there(
     with monkeypatch.context() as patch:
         patch.setattr(*((os, "fsync") if place == "fsync" else (Path, "replace")), full)
         with pytest.raises(CompileError, match=r"RUN703.*no space left"):
-            write(tmp_path, 3)
+            run.go()
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before  # no litter either
-    assert load_checkpoint(tmp_path, "plan")[1].step == 2
+    assert loaded(tmp_path).pointer.step == 2
 
 
-@pytest.mark.parametrize("writes", range(4))
+@pytest.mark.parametrize("writes", range(5))
 def test_a_crash_between_any_two_writes_leaves_a_whole_checkpoint(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, writes: int
 ) -> None:
-    write(tmp_path, 1)
-    write(tmp_path, 2)
+    run = written(tmp_path, 1, 1)
     done = []
 
     class Crash(BaseException):
@@ -103,28 +268,32 @@ def test_a_crash_between_any_two_writes_leaves_a_whole_checkpoint(
 
     def counting(path: Path, data: bytes) -> None:
         if len(done) == writes:
+            (path.parent / f".{path.name}.tmp").write_bytes(data[:9])  # what a killed writer leaves
             raise Crash
         done.append(path)
         replace_file(path, data)
 
     with monkeypatch.context() as patch:
         patch.setattr("tiloilc.learn.checkpoint.replace_file", counting)
-        if writes < 3:
+        if writes < 4:
             with pytest.raises(Crash):
-                write(tmp_path, 3)
+                run.go()
         else:
-            write(tmp_path, 3)
+            run.go()
     assert len(done) == writes
-    assert load_checkpoint(tmp_path, "plan")[1].step == (3 if writes == 3 else 2)
-    write(tmp_path, 4)
-    assert load_checkpoint(tmp_path, "plan")[1].step == 4
+    found = loaded(tmp_path)
+    assert (found.pointer.step, found.problem) == (3 if writes == 4 else 2, None)
+    again = Run(tmp_path, found)
+    again.go(3)
+    assert torch.equal(rows_of(loaded(tmp_path)), again.rows)
+    assert not list(tmp_path.glob(".*"))
 
 
 def test_saving_a_step_again_is_harmless(tmp_path: Path) -> None:
-    write(tmp_path, 1)
-    write(tmp_path, 2)
-    write(tmp_path, 2, value=0.5)
-    assert load_checkpoint(tmp_path, "plan")[0]["x"].tolist() == [2.5] * 3
+    run = written(tmp_path, 1, 1)
+    run.go(0)
+    assert loaded(tmp_path).pointer.step == 2
+    assert torch.equal(rows_of(loaded(tmp_path)), run.rows)
 
 
 def test_a_replaced_file_is_whole_or_as_it_was(tmp_path: Path) -> None:

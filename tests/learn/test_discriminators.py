@@ -89,6 +89,8 @@ def test_buffers_go_on_from_their_state() -> None:
     first.add(0, 1, states(*range(6)))
     first.add(0, 0, states(7))
     second.load({name: tensor.clone() for name, tensor in first.state().items()})
+    nothing = torch.zeros(2, dtype=torch.long)
+    second.ring().restore(first.ring().since(nothing), nothing, first.ring().written)
     for buffers in (first, second):
         buffers.add(0, 1, states(8, 9))
     assert torch.equal(first.written, second.written)

@@ -87,12 +87,18 @@ class Interrupt:
             signal.raise_signal(signal.SIGINT)
 
 
-def go(task: Task, run: Path, *interrupts: int, resume: bool = False) -> Outcome:
+def go(
+    task: Task,
+    run: Path,
+    *interrupts: int,
+    resume: bool = False,
+    say: Callable[[str], None] = lambda text: None,
+) -> Outcome:
     made, shown, labels = task
     run.mkdir(exist_ok=True)
     torch.set_num_threads(1)
-    watch = Interrupt(*interrupts)
-    return train(made, shown, labels, run, Validator(made, labels), watch, {"name": "x"}, resume)
+    watch, about = Interrupt(*interrupts), {"name": "x"}
+    return train(made, shown, labels, run, Validator(made, labels), watch, about, resume, say)
 
 
 def same(first: State | None, second: State | None) -> bool:
@@ -198,14 +204,18 @@ def test_a_run_killed_after_a_checkpoint_loses_only_what_came_later(tmp_path: Pa
     assert_equal_runs(tmp_path / "whole", tmp_path / "killed")
 
 
-def test_a_damaged_last_checkpoint_is_replaced_by_the_one_before(tmp_path: Path) -> None:
+@pytest.mark.parametrize("part", [-1, 0, 1])
+def test_a_damaged_last_checkpoint_is_replaced_by_the_one_before(tmp_path: Path, part: int) -> None:
     go(point(), tmp_path / "whole")
-    go(point(), tmp_path / "run", 120)
-    folder = tmp_path / "run" / CHECKPOINTS
-    last = folder / json.loads((folder / "last.json").read_text())["file"]
-    last.write_bytes(last.read_bytes()[:-100])
-    outcome = go(point(), tmp_path / "run", resume=True)
-    assert outcome.problem == f"{last.name} is damaged"
+    go(point(), tmp_path / "run", 160)
+    folder, said = tmp_path / "run" / CHECKPOINTS, []
+    pointer = json.loads((folder / "last.json").read_text())
+    assert len(pointer["rows"]) == 4  # of the steps 25, 75, 125 and 160
+    file = folder / [pointer["state"], *pointer["rows"]][part]["name"]
+    file.write_bytes(file.read_bytes()[:-1] + b"x")
+    go(point(), tmp_path / "run", resume=True, say=said.append)
+    before = "going on at step 150, from the checkpoint before the last"
+    assert said == [f"{before}: {file.name} is damaged"]
     assert_equal_runs(tmp_path / "whole", tmp_path / "run")
 
 
@@ -215,9 +225,21 @@ def test_a_run_of_other_settings_cannot_be_resumed(tmp_path: Path) -> None:
         go(point(gamma=0.5), tmp_path / "run", resume=True)
 
 
-def test_a_run_without_checkpoint_cannot_be_resumed(tmp_path: Path) -> None:
-    with pytest.raises(CompileError, match="RUN701"):
-        go(point(), tmp_path / "run", resume=True)
+def test_a_run_that_was_killed_before_its_first_checkpoint_begins_again(tmp_path: Path) -> None:
+    said: list[str] = []
+    go(point(steps=80), tmp_path / "whole")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / EVENTS).write_text('{"type": "start", "step": 0, "na')
+    go(point(steps=80), tmp_path / "run", resume=True, say=said.append)
+    assert said == ["beginning again: no checkpoint had been written"]
+    assert_equal_runs(tmp_path / "whole", tmp_path / "run")
+
+
+def test_seconds_are_counted_over_all_parts_of_a_run(tmp_path: Path) -> None:
+    first = go(point(steps=80), tmp_path / "run", 40)
+    pointer = json.loads((tmp_path / "run" / CHECKPOINTS / "last.json").read_text())
+    assert 0 < pointer["seconds"] <= first.seconds
+    assert go(point(steps=80), tmp_path / "run", resume=True).seconds > pointer["seconds"]
 
 
 def test_an_environment_that_does_not_repeat_itself_is_found_out(tmp_path: Path) -> None:
@@ -258,9 +280,10 @@ def test_events_tell_the_whole_story(tmp_path: Path) -> None:
 def test_old_checkpoints_are_removed_but_for_two(tmp_path: Path) -> None:
     go(point(), tmp_path / "run")
     names = sorted(p.name for p in (tmp_path / "run" / CHECKPOINTS).iterdir())
-    assert names == [
-        "0000000175.safetensors",
-        "0000000200.safetensors",
+    numbered = [name.split(".") for name in names if name[0].isdigit()]
+    assert [n[0] for n in numbered if n[1] != "rows"] == ["0000000175", "0000000200"]
+    assert len([n for n in numbered if n[1] == "rows"]) == 8  # every 25 steps: four each
+    assert [name for name in names if not name[0].isdigit()] == [
         "best.safetensors",
         "cloning.safetensors",
         "last.json",

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, report, say
+from tiloilc.cli.console import Quiet, guests, report, say
 
 
 def command(
@@ -26,7 +26,8 @@ def command(
     """
     from tiloilc.driver import compile_spec, write_build
 
-    result = compile_spec(spec)
+    with guests():
+        result = compile_spec(spec)
     if not quiet:
         report(result.diagnostics)
     folder = out or Path("build") / result.plan.name

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Annotated, TextIO
 
@@ -26,6 +27,29 @@ def fail(text: str) -> typer.Exit:
     """A usage error in our own words; to be raised."""
     print(f"error: {text}", file=sys.stderr)
     return typer.Exit(2)
+
+
+@contextmanager
+def guests() -> Iterator[None]:
+    """While this lasts, the code of others runs: an environment, a predicate in Python.
+
+    What it writes to standard output, by print or from a library in C, goes to standard error:
+    standard output is for results.
+    """
+    sys.stdout.flush()
+    try:
+        ours = os.dup(1)
+    except OSError:  # closed by whoever started us
+        with redirect_stdout(sys.stderr):
+            yield
+        return
+    try:
+        os.dup2(2, 1)
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        os.dup2(ours, 1)
+        os.close(ours)
 
 
 def coloured(stream: TextIO) -> bool:

@@ -6,7 +6,6 @@ import dataclasses
 import json
 import os
 import shutil
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import tiloilc
-from tiloilc.cli.console import fail, report, say
+from tiloilc.cli.console import fail, guests, report, say
 
 if TYPE_CHECKING:
     from tiloilc.demos import DemoSet
@@ -44,7 +43,8 @@ def open_job(
 ) -> Iterator[Job]:
     """The job of a build or run folder, with changed settings.
 
-    While this lasts, modules beside the task file can be imported. Raises CompileError with what is
+    While this lasts, modules beside the task file can be imported, and what they print goes to
+    standard error. Raises CompileError with what is
     wrong with the changed settings; says what is strange about them, unless `quiet`.
     """
     from tiloilc.demos import DemoSet, load
@@ -61,7 +61,7 @@ def open_job(
         plan = dataclasses.replace(plan, train=_changed(plan, changes, quiet))
     where = plan_file(folder).parent
     file = where / "demos.npz"
-    with importable(plan.root):
+    with importable(plan.root), guests():
         demos = load(file) if file.is_file() else DemoSet(())
         yield Job(plan, demos, labeller(plan), where)
 
@@ -128,6 +128,7 @@ def new_run(job: Job, runs: Path) -> Path:
             break
         except FileExistsError:
             continue
+    (run / EVENTS).touch()  # a run from now on: it can be resumed whenever it is killed
     for name in COPIED:
         if (job.folder / name).is_file():
             shutil.copyfile(job.folder / name, run / name)
@@ -141,7 +142,7 @@ def run_to_resume(folder: Path, job: Job, runs: Path) -> Path:
     from tiloilc.driver import read_plan
     from tiloilc.plan import digest
 
-    if (folder / "events.jsonl").is_file():
+    if (folder / EVENTS).is_file():
         return folder
     parent = runs / job.plan.name
     wanted = digest(job.plan)
@@ -162,36 +163,45 @@ def train_job(job: Job, run: Path, resume: bool, quiet: bool) -> float:
     """
     import typer
 
-    from tiloilc.cli.progress import Progress
-    from tiloilc.evaluate.protocol import Validator, versions
-    from tiloilc.learn import train
-    from tiloilc.plan import digest
+    with _alone(run), _swept(run, resume):
+        from tiloilc.cli.progress import Progress
+        from tiloilc.evaluate.protocol import Validator, versions
+        from tiloilc.learn import train
+        from tiloilc.plan import digest
 
-    settings = job.plan.train
-    about = {
-        "name": job.plan.name,
-        "plan_digest": digest(job.plan),
-        "algorithm": settings.algorithm,
-        "preset": settings.preset,
-        "seeds": list(range(settings.first_seed, settings.first_seed + settings.seeds)),
-        "overrides": settings.overrides(),
-        "versions": versions(),
-    }
-    validator = Validator(job.plan, job.labels)
-    began = time.monotonic()
-    with _alone(run), Progress(job.plan, quiet) as progress:
-        outcome = train(
-            job.plan, job.demos, job.labels, run, validator, progress.watch, about, resume
-        )
-    seconds = _spent(run) + time.monotonic() - began
-    _write_json(run / TIMING, {"seconds": round(seconds, 3)})
-    if outcome.problem is not None:
-        say(f"went on from the checkpoint before the last: {outcome.problem}", quiet)
+        settings = job.plan.train
+        about = {
+            "name": job.plan.name,
+            "plan_digest": digest(job.plan),
+            "algorithm": settings.algorithm,
+            "preset": settings.preset,
+            "seeds": list(range(settings.first_seed, settings.first_seed + settings.seeds)),
+            "overrides": settings.overrides(),
+            "versions": versions(),
+        }
+        validator = Validator(job.plan, job.labels)
+        with Progress(job.plan, quiet) as progress:
+            outcome = train(
+                job.plan, job.demos, job.labels, run, validator, progress.watch, about, resume,
+                lambda text: say(text, quiet),
+            )  # fmt: skip
+    _write_json(run / TIMING, {"seconds": round(outcome.seconds, 3)})
     if outcome.interrupted:
         say(f"interrupted at step {outcome.step} of {outcome.steps}; go on with:")
         say(f"  tiloilc train {run.as_posix()} --resume")
         raise typer.Exit(130)
-    return seconds
+    return outcome.seconds
+
+
+@contextmanager
+def _swept(run: Path, resume: bool) -> Iterator[None]:
+    """Remove a new run folder if nothing happens in it: stopped or failed before it began."""
+    try:
+        yield
+    except BaseException:
+        if not resume and (run / EVENTS).stat().st_size == 0:
+            shutil.rmtree(run)
+        raise
 
 
 @contextmanager

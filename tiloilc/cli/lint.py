@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, report, say
+from tiloilc.cli.console import Quiet, guests, report, say
 from tiloilc.diag import FORMATS, exit_status
 
 
@@ -44,7 +44,8 @@ def command(
     """
     from tiloilc.driver import lint
 
-    found = [diagnostic for spec in specs for diagnostic in lint(spec)]
+    with guests():
+        found = [diagnostic for spec in specs for diagnostic in lint(spec)]
     report(found, format, sys.stdout)
     if not found:
         say("no findings", quiet)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, fail, say
+from tiloilc.cli.console import Quiet, fail, guests, say
 
 Runs = Annotated[
     list[Path], typer.Argument(metavar="RUN", help="Run folders; several are compared.")
@@ -40,4 +40,6 @@ def command(runs: Runs, output: Out = None, quiet: Quiet = False) -> None:
 
     out = output or (runs[0] / "report.html" if len(runs) == 1 else Path("report.html"))
     say(f"reading {len(runs)} run{'' if len(runs) == 1 else 's'}", quiet)
-    print(write_report(runs, out))
+    with guests():  # maps are asked of environments
+        written = write_report(runs, out)
+    print(written)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, report, say
+from tiloilc.cli.console import Quiet, guests, report, say
 from tiloilc.cli.jobs import (
     RUNS,
     evaluate_job,
@@ -43,10 +43,13 @@ def command(
     Prints what the policies achieve beside the optimum, and where the report is.
     """
     from tiloilc.driver import compile_spec, write_build
-    from tiloilc.evaluate import append, records_of_run
+    from tiloilc.evaluate import append, read, records_of_run
     from tiloilc.report import write_report
 
-    result = compile_spec(spec)
+    if record is not None and record.exists():
+        read(record)  # a damaged file is found out now, not after the training
+    with guests():
+        result = compile_spec(spec)
     if not quiet:
         report(result.diagnostics)
     build = Path("build") / result.plan.name

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, fail, say
+from tiloilc.cli.console import Quiet, fail, guests, say
 from tiloilc.cli.formulas import Propositions, Written
 from tiloilc.cli.stepping import Session, Table, read_word
 from tiloilc.cli.subjects import Subject, subject_of
@@ -63,7 +63,7 @@ def _along_demonstration(known: Subject, number: int, quiet: bool) -> None:
         raise fail(
             f"there are demonstrations 0 to {len(known.demos) - 1}, none with number {number}"
         )
-    with importable(known.plan.root):
+    with importable(known.plan.root), guests():
         labels = labeller(known.plan)
         run = replay(known.demos.episodes[number].observations, labels, known.ldba)
     trace = Trace(known.ldba).follow(run.letters.tolist(), run.states.tolist())

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from tiloilc.cli.console import fail
+from tiloilc.cli.console import fail, guests
 from tiloilc.diag import CompileError
 
 if TYPE_CHECKING:
@@ -72,7 +72,8 @@ def _of_task(path: Path) -> Subject:
         plan, file = read_plan(path), plan_file(path).parent / "demos.npz"
         demos = load(file) if file.is_file() else DemoSet(())
     else:
-        result = compile_spec(path)
+        with guests():
+            result = compile_spec(path)
         plan, demos = result.plan, result.demos
     return Subject(plan.goal, plan.ldba, plan.stages, plan, demos, meant=plan.formula != "")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tiloilc.cli.console import fail
+from tiloilc.cli.console import fail, guests
 
 if TYPE_CHECKING:
     from tiloilc.plan import Plan
@@ -24,4 +24,5 @@ def plan_of(path: Path) -> Plan:
         raise fail("an automaton alone is no task; give a task file or a plan")
     if path.is_dir() or path.suffix == ".json":
         return read_plan(path)
-    return compile_spec(path).plan
+    with guests():
+        return compile_spec(path).plan

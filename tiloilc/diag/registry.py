@@ -166,6 +166,12 @@ RULES: dict[str, Rule] = _rules(
         "outside-the-spaces",
         "demonstration {index} does not fit the environment: {problem}",
     ),
+    Rule(
+        "DEMO508",
+        W,
+        "demonstrations-of-another-environment",
+        "the demonstrations were recorded in {recorded}, not in {environment}",
+    ),
     # Environment and settings
     Rule("JOB600", E, "environment", "cannot make `{environment}`: {problem}"),
     Rule("JOB601", W, "irreproducible-reset", "`{environment}` does not reset reproducibly"),

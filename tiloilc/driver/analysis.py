@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import DemoSet, check_replays, check_shape, demonstrations_for, replay_all
 from tiloilc.diag import Diagnostic, Severity, SourceText, Span
-from tiloilc.driver.demonstrations import fit_findings
+from tiloilc.driver.demonstrations import fit_findings, origin_findings
 from tiloilc.driver.environment import Asked, ask
 from tiloilc.driver.findings import Findings
 from tiloilc.driver.formula import meaning, translated, unused
@@ -225,6 +225,7 @@ def _demonstrations(
     findings.add(wrong)
     if wrong:
         return None
+    findings.add(list(origin_findings(demos, spec.environment, span)))
     replayed = findings.attempt(lambda: replay_all(demos, labels, ldba, wanted.max_visits))
     if replayed is None:
         return None

@@ -1,13 +1,15 @@
-"""Whether demonstrations lie in the spaces of the environment that they are for."""
+"""Whether demonstrations are of the environment that they are for, and lie in its spaces."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from tiloilc.demos import Demo, DemoSet
 from tiloilc.diag import Diagnostic, Span
 from tiloilc.driver.environment import Asked
+from tiloilc.spec import Environment
 
 if TYPE_CHECKING:
     import gymnasium
@@ -27,6 +29,23 @@ def fit_findings(demos: DemoSet, asked: Asked, span: Span | None = None) -> Iter
             help = "correct them, or use `actions: inferred`"
         if problem:
             yield Diagnostic.of("DEMO507", span, index=index, problem=problem, help=help)
+
+
+def origin_findings(
+    demos: DemoSet, environment: Environment, span: Span | None = None
+) -> Iterator[Diagnostic]:
+    """DEMO508 if the sidecar names another environment, or other arguments of the same one."""
+    made = demos.meta.get("environment")
+    if not isinstance(made, dict) or not isinstance(made.get("id"), str):
+        return
+    named = [(made["id"], made.get("kwargs") or {}), (environment.id, environment.kwargs)]
+    bare = [(name.rpartition(":")[2], kwargs) for name, kwargs in named]
+    if bare[0] == bare[1]:
+        return
+    same = bare[0][0] == bare[1][0]
+    said = [f"`{id}`" + (f" with {json.dumps(kwargs)}" if same else "") for id, kwargs in named]
+    help = "record them in this environment, or correct the sidecar"
+    yield Diagnostic.of("DEMO508", span, recorded=said[0], environment=said[1], help=help)
 
 
 def _states(demo: Demo, asked: Asked) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from torch import Tensor
 
+from tiloilc.learn.ring import Ring
 from tiloilc.learn.state import State
 from tiloilc.product import Floats, Int
 
@@ -57,8 +58,11 @@ class Agent(Policy, Protocol):
     def learn(self, progress: float) -> dict[str, Tensor]:
         """One update, `progress` environment steps into learning; losses [seed] by name."""
 
+    def rings(self) -> dict[str, Ring]:
+        """What is too large to be saved whole each time, by name; `load` comes before its rows."""
+
     def state(self) -> State:
-        """Everything that learning goes on from."""
+        """Everything else that learning goes on from."""
 
     def load(self, state: State) -> None:
         """Take what `state` gave."""

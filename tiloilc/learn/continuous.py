@@ -13,6 +13,7 @@ from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.learn.cloning import clone, fit_inverse_dynamics
 from tiloilc.learn.discriminators import Discriminators, StageBuffers
 from tiloilc.learn.replay import Batch, Layout, Replay
+from tiloilc.learn.ring import Ring
 from tiloilc.learn.sac import Imitated, SoftActorCritic
 from tiloilc.learn.shown import Shown
 from tiloilc.learn.state import State, under, with_prefix
@@ -232,8 +233,12 @@ class SacAgent:
         """Take what `policy` gave."""
         self.sac.load_policy(state)
 
+    def rings(self) -> dict[str, Ring]:
+        """The replay's rows and the stage buffers' states."""
+        return {"replay": self.replay.ring(), "stages": self.buffers.ring()}
+
     def state(self) -> State:
-        """Everything that learning goes on from."""
+        """Everything else that learning goes on from."""
         state = {
             **with_prefix("sac", self.sac.state()),
             **with_prefix("discriminators", self.discriminators.state()),

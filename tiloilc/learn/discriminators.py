@@ -9,6 +9,7 @@ from torch import Tensor
 from torch.nn.functional import softplus
 
 from tiloilc.learn.networks import Adam, StackedMLP, Tape
+from tiloilc.learn.ring import Ring
 from tiloilc.learn.state import State
 from tiloilc.learn.unions import stage_unions
 from tiloilc.plan import Stages
@@ -56,14 +57,16 @@ class StageBuffers:
         row = (seed * buffers + buffer) * capacity + drawn - before
         return self.states.view(-1, d).index_select(0, row.view(-1)).view(*row.shape, d)
 
+    def ring(self) -> Ring:
+        """The states, a ring for each seed and buffer."""
+        return Ring(self.states.flatten(0, 1), self.written.flatten())
+
     def state(self) -> State:
-        """The rings as far as they are filled."""
-        filled = int(self.counts.max())
-        return {"states": self.states[:, :, :filled], "written": self.written}
+        """Everything but the states."""
+        return {"written": self.written}
 
     def load(self, state: State) -> None:
         """Take what `state` gave."""
-        self.states[:, :, : state["states"].shape[2]] = state["states"]
         self.written.copy_(state["written"])
 
     def available(self, unions: Tensor) -> Tensor:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from collections.abc import Mapping
@@ -9,6 +10,7 @@ from pathlib import Path
 from types import TracebackType
 
 from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.learn.checkpoint import not_written
 
 
 class Events:
@@ -26,16 +28,15 @@ class Events:
             self._file.write(line.encode() + b"\n")
             self._file.flush()
         except OSError as error:
-            path, problem = Path(self._file.name), (error.strerror or str(error)).lower()
-            help = "free some space and go on with --resume"
-            raise CompileError(
-                Diagnostic.of("RUN703", path=path.parent.as_posix(), problem=problem, help=help)
-            ) from None
+            raise not_written(Path(self._file.name).parent, error) from None
 
     def size(self) -> int:
-        """Bytes written so far, all of them on the disk: where to cut when resuming from now."""
-        os.fsync(self._file.fileno())
+        """Bytes written so far: where to cut when resuming from now, once `sync` was called."""
         return self._file.tell()
+
+    def sync(self) -> None:
+        """All that is written is on the disk when this returns; any thread may call it."""
+        os.fsync(self._file.fileno())
 
     def __enter__(self) -> Events:
         return self
@@ -46,7 +47,8 @@ class Events:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
-        self._file.close()
+        with contextlib.suppress(OSError):  # what could not be written has been said
+            self._file.close()
 
 
 def last_events(path: Path, kind: str) -> list[Mapping[str, object]]:

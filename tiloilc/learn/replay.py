@@ -9,6 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from tiloilc.learn.ring import Ring
 from tiloilc.learn.state import State
 
 
@@ -100,11 +101,14 @@ class Replay:
         flat = self.rows.view(-1, self.rows.shape[2])
         return flat.index_select(0, drawn.view(-1)).view(seeds, count, flat.shape[1])
 
+    def ring(self) -> Ring:
+        """The rows; all seeds' are written alike."""
+        return Ring(self.rows, torch.full((self.rows.shape[0],), self.written))
+
     def state(self) -> State:
-        """The rows that are written."""
-        return {"rows": self.rows[:, : len(self)], "written": torch.tensor(self.written)}
+        """Everything but the rows."""
+        return {"written": torch.tensor(self.written)}
 
     def load(self, state: State) -> None:
         """Take what `state` gave."""
-        self.rows[:, : state["rows"].shape[1]] = state["rows"]
         self.written = int(state["written"])

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from tiloilc.learn.counts import CountDiscriminators
+from tiloilc.learn.ring import Ring
 from tiloilc.learn.shown import Shown
 from tiloilc.learn.state import State, under, with_prefix
 from tiloilc.learn.tiloil import StageTable, option_values, stage_reward, tiloil_target
@@ -173,6 +174,10 @@ class TabularAgent:
         """Take what `policy` gave."""
         self.q.copy_(state["q"])
         self.alpha.copy_(state["alpha"])
+
+    def rings(self) -> dict[str, Ring]:
+        """None: counts are kept instead of rows."""
+        return {}
 
     def state(self) -> State:
         """Everything that learning goes on from."""

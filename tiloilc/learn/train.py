@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -18,7 +19,13 @@ from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.learn.agent import Policy
 from tiloilc.learn.best import Best
 from tiloilc.learn.board import Board
-from tiloilc.learn.checkpoint import load_checkpoint, replace_file, save_checkpoint
+from tiloilc.learn.checkpoint import (
+    Checkpoint,
+    Checkpoints,
+    load_checkpoint,
+    not_written,
+    replace_file,
+)
 from tiloilc.learn.events import Events
 from tiloilc.learn.job import Labels, make_loop
 from tiloilc.learn.loop import Loop
@@ -50,11 +57,11 @@ class Watched:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a run ended: at `step` of `steps`, and why an older checkpoint was used, if one was."""
+    """How a run ended: at `step` of `steps`, after `seconds` of training in all."""
 
     step: int
     steps: int
-    problem: str | None
+    seconds: float
 
     @property
     def interrupted(self) -> bool:
@@ -71,25 +78,28 @@ def train(
     watch: Callable[[Watched], None],
     about: Mapping[str, object],
     resume: bool = False,
+    say: Callable[[str], None] = lambda text: None,
 ) -> Outcome:
     """Train `plan` in the folder `run`, or go on with what is there.
 
-    `about` is what the log says of this run beside the plan. On SIGINT or SIGTERM a checkpoint is
-    written and the outcome is interrupted. Killed at any moment, a run goes on from its last
-    checkpoint to the same events and weights as one that was never killed.
+    `about` is what the log says of this run beside the plan. Where a resumed run goes on, it says
+    by `say`, and why not from its newest checkpoint if that is damaged. On SIGINT or SIGTERM a
+    checkpoint is written and the outcome is interrupted. Killed at any moment, a run goes on from
+    its last checkpoint to the same events and weights as one that was never killed.
 
     Raises CompileError RUN701 to RUN705.
     """
     session = _Session(plan, run, make_loop(plan, demos, labels), Best(plan.train.seeds))
-    problem, kept = session.restore() if resume else (None, 0)
+    kept = session.restore(say) if resume else 0
     settings, loop = plan.train, session.loop
     last = settings.learning_starts if settings.algorithm == "cloning" else settings.steps
     with (
         Events(run / EVENTS, kept) as events,
         Board(run, loop.step if resume else None) as board,
+        Checkpoints(run / CHECKPOINTS, digest(plan), session.resumed) as checkpoints,
         _interrupts() as stop,
     ):
-        if not resume:
+        if not kept:
             events.write("start", 0, **about)
         for step in loop.run(last):
             metrics = None
@@ -99,12 +109,16 @@ def train(
             if metrics is not None:
                 loop.tally = Tally.empty(settings.seeds, loop.walk.states)
             if step % settings.checkpoint_every == 0 or stop.set or step >= last:
-                session.save(events.size())
+                session.save(checkpoints, events)
+            checkpoints.check()
             if stop.set and step < last:
-                return Outcome(step, last, problem)
-        events.write("end", loop.step)
-    session.write_policies()
-    return Outcome(loop.step, last, problem)
+                break
+        checkpoints.wait()
+        outcome = Outcome(loop.step, last, session.seconds)
+        if not outcome.interrupted:
+            events.write("end", loop.step)
+            session.write_policies()
+    return outcome
 
 
 def load_policy(run: Path, name: str) -> State | None:
@@ -132,36 +146,55 @@ class _Stop:
 
 @dataclass
 class _Session:
-    """What a run keeps beside the loop: each seed's best policy, and the cloned one."""
+    """What a run keeps beside the loop: each seed's best policy, and the cloned one.
+
+    `spent` are the seconds of training before this program.
+    """
 
     plan: Plan
     run: Path
     loop: Loop
     best: Best
     cloning: State = field(default_factory=dict)
+    began: float = field(default_factory=time.monotonic)
+    spent: float = 0.0
+    resumed: Checkpoint | None = None
+
+    @property
+    def seconds(self) -> float:
+        """How long this run has been trained."""
+        return self.spent + time.monotonic() - self.began
 
     @property
     def has_just_cloned(self) -> bool:
         """Whether the policy is what cloning made of it, before any learning."""
         return self.loop.cloned and self.loop.step == self.plan.train.learning_starts
 
-    def save(self, events_bytes: int) -> None:
-        """Write a checkpoint of everything, with the length of the event log."""
+    def save(self, checkpoints: Checkpoints, events: Events) -> None:
+        """Have a checkpoint of everything written, with the length of the event log."""
         state = {
             **with_prefix("loop", self.loop.state()),
             **with_prefix("best", self.best.state()),
             **with_prefix("cloning", self.cloning),
         }
-        folder = self.run / CHECKPOINTS
-        save_checkpoint(folder, state, self.loop.step, events_bytes, digest(self.plan))
+        rings = self.loop.agent.rings()
+        checkpoints.save(state, rings, self.loop.step, self.seconds, events.size(), events.sync)
 
-    def restore(self) -> tuple[str | None, int]:
-        """Go on from the last checkpoint; why an older one was used, and the log's length then."""
-        state, pointer, problem = load_checkpoint(self.run / CHECKPOINTS, digest(self.plan))
+    def restore(self, say: Callable[[str], None]) -> int:
+        """Go on from the last checkpoint, if there is one; the event log's length then."""
+        resumed = load_checkpoint(self.run / CHECKPOINTS, digest(self.plan))
+        if resumed is None:
+            say("beginning again: no checkpoint had been written")
+            return 0
+        state = resumed.state()
         self.loop.load(under("loop", state))
+        resumed.restore(self.loop.agent.rings())
         self.best.load(under("best", state))
         self.cloning = under("cloning", state)
-        return problem, pointer.events_bytes
+        self.resumed, self.spent = resumed, resumed.pointer.seconds
+        older = f", from the checkpoint before the last: {resumed.problem}"
+        say(f"going on at step {self.loop.step:,}" + (older if resumed.problem else ""))
+        return resumed.pointer.events_bytes
 
     def judge(self, validate: Validate, events: Events, board: Board) -> Metrics:
         """Validate, log what happened since the last time, and keep what is best."""
@@ -186,10 +219,14 @@ class _Session:
     def write_policies(self) -> None:
         """Write the policies that evaluation reads."""
         policies = (self.cloning, self.best.policy, self.loop.agent.policy())
-        for name, policy in zip(POLICIES, policies, strict=True):
-            if policy:
-                data = save({k: v.detach().contiguous() for k, v in sorted(policy.items())})
-                replace_file(self.run / CHECKPOINTS / f"{name}.safetensors", data)
+        folder = self.run / CHECKPOINTS
+        try:
+            for name, policy in zip(POLICIES, policies, strict=True):
+                if policy:
+                    data = save({k: v.detach().contiguous() for k, v in sorted(policy.items())})
+                    replace_file(folder / f"{name}.safetensors", data)
+        except OSError as error:
+            raise not_written(folder, error) from None
 
 
 def _is_due(step: int, last: int, plan: Plan, cloned: bool) -> bool:
