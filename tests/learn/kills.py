@@ -142,6 +142,11 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(ROOT)}
 
 
+def say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--moments", type=int, default=20, help="kills of each task")
@@ -151,14 +156,12 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         for name, text in TASKS.items():
             task = Task(Path(folder) / name, text)
-            print(f"{name}: {task.seconds:.1f} s without interruption")
+            say(f"{name}: {task.seconds:.1f} s without interruption")
             for killed in task.kills(given.moments, rng):
                 wrong += not killed.alike
                 verdict = "alike" if killed.alike else "NOT ALIKE"
-                print(
-                    f"  killed after {killed.after:5.2f} s: {killed.resumed}: {verdict}", flush=True
-                )
-    print(f"{2 * given.moments - wrong} of {2 * given.moments} ended as if never killed")
+                say(f"  killed after {killed.after:5.2f} s: {killed.resumed}: {verdict}")
+    say(f"{2 * given.moments - wrong} of {2 * given.moments} ended as if never killed")
     return int(wrong > 0)
 
 
