@@ -1,6 +1,7 @@
 """The project's own benchmarks: what is measured, against what, and how it is told."""
 
-from tiloilc.bench.automata import (
+from tiloilc.bench.automata.formulas import BOMBS, PAPER, Known
+from tiloilc.bench.automata.measure import (
     Alone,
     Figures,
     Measured,
@@ -10,9 +11,8 @@ from tiloilc.bench.automata import (
     measure_known,
     measure_set,
 )
-from tiloilc.bench.formulas import BOMBS, PAPER, Known
-from tiloilc.bench.page import automata_page
-from tiloilc.bench.references import BadReferences, Reference, read_references
+from tiloilc.bench.automata.page import automata_page
+from tiloilc.bench.automata.references import BadReferences, Reference, read_references
 
 __all__ = [
     "BOMBS",

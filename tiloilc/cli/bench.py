@@ -95,7 +95,7 @@ def _measured(references: tuple[Reference, ...], runs: int, quiet: bool) -> Iter
 
 
 def _csv(rows: Iterator[Row]) -> None:
-    from tiloilc.bench.references import COLUMNS
+    from tiloilc.bench.automata.references import COLUMNS
 
     writer = csv.writer(sys.stdout, lineterminator="\n")
     writer.writerow([*COLUMNS, "edge", "state", "jumps", "ms"])

@@ -7,8 +7,8 @@ import platform
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from tiloilc.bench.automata import LIMITS, Alone, Figures, Measured, Row
-from tiloilc.bench.references import VARIANTS
+from tiloilc.bench.automata.measure import LIMITS, Alone, Figures, Measured, Row
+from tiloilc.bench.automata.references import VARIANTS
 
 HEAD = """\
 # Sizes of automata

@@ -13,8 +13,8 @@ from time import perf_counter
 
 from tiloilc.automaton import Acceptance, translate
 from tiloilc.automaton.limits import MAX_STATES, TIMEOUT
-from tiloilc.bench.formulas import Known
-from tiloilc.bench.references import Reference
+from tiloilc.bench.automata.formulas import Known
+from tiloilc.bench.automata.references import Reference
 from tiloilc.diag import CompileError
 from tiloilc.ltl import parse
 
@@ -124,7 +124,7 @@ def measure_alone(formulas: Mapping[str, str]) -> Iterator[Alone]:
     It is stopped when it is far beyond the translator's own time limit.
     """
     for name, text in formulas.items():
-        command = [sys.executable, "-m", "tiloilc.bench.alone", text]
+        command = [sys.executable, "-m", "tiloilc.bench.automata.alone", text]
         result = subprocess.run(command, capture_output=True, check=True, timeout=4 * TIMEOUT)
         found = json.loads(result.stdout)
         measured = Measured(found["states"], found["jumps"], found["ms"], found["code"])

@@ -1,4 +1,4 @@
-"""One translation, measured with its memory: `python -m tiloilc.bench.alone FORMULA`."""
+"""One translation, measured with its memory: `python -m tiloilc.bench.automata.alone FORMULA`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from tiloilc.bench.automata import measure
+from tiloilc.bench.automata.measure import measure
 
 
 def peak_memory() -> float:
