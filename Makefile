@@ -11,6 +11,7 @@ WORKERS ?= 2
 
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
+RIVALS := $(VENV)/.rivals
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) -ra --durations=10
 
 .DELETE_ON_ERROR:
@@ -40,8 +41,13 @@ records: $(STAMP)  ## train every task of specs/ and add its records to results/
 results: $(STAMP)  ## write docs/results.md from the records in results/
 	$(BIN)/python -m tiloilc.report.results results docs/results.md
 
-bench: $(STAMP)  ## measure automata beside published sizes and write docs/automaton_sizes.md
-	$(BIN)/tiloilc bench -o docs/automaton_sizes.md
+bench: $(RIVALS)  ## measure everything beside others; docs/benchmarks.md, docs/automaton_sizes.md
+	$(BIN)/tiloilc bench -o docs
+
+$(RIVALS): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	  --constraint constraints.txt --editable '.[tensorboard,dev,bench,mujoco]'
+	@touch $@
 
 test: $(STAMP)  ## all tests, the slow ones too
 	$(PYTEST)
@@ -62,7 +68,7 @@ format: $(STAMP)  ## put every file into the one format, and mend what can be me
 constraints:  ## resolve every dependency afresh and write constraints.txt
 	$(PYTHON) -m venv --clear build/resolve
 	build/resolve/bin/python -m pip install --quiet "$$(grep '^torch==' constraints.txt)" \
-	  --editable '.[all,dev]'
+	  --editable '.[all,bench,dev]'
 	{ grep '^#' constraints.txt; build/resolve/bin/python -m pip freeze --all --exclude pip \
 	  --exclude-editable | sed 's/+.*//'; } > build/constraints.txt
 	mv build/constraints.txt constraints.txt

@@ -134,7 +134,7 @@ def test_a_formula_bomb_ends_within_a_gigabyte(name: str) -> None:
 
 
 def test_the_command_prints_a_page(run: Run, data: Path, one_bomb: None) -> None:
-    status, out, err = run("bench", "--data", data, "--runs", "1")
+    status, out, err = run("bench", "--only", "automata", "--data", data, "--runs", "1")
     assert status == 0
     assert out.startswith("# Sizes of automata\n")
     assert "| small | `F G a` | 2 |" in out
@@ -142,9 +142,12 @@ def test_the_command_prints_a_page(run: Run, data: Path, one_bomb: None) -> None
 
 
 def test_the_command_writes_a_page(run: Run, data: Path, one_bomb: None) -> None:
-    page = data / "page.md"
-    assert run("bench", "--data", data, "--runs", "1", "-o", page, "--quiet") == (0, "", "")
-    assert page.read_text(encoding="utf-8").startswith("# Sizes of automata\n")
+    docs = data / "docs"
+    options = ("--only", "automata", "--data", data, "--runs", "1", "-o", docs, "--quiet")
+    assert run("bench", *options) == (0, "", "")
+    assert [path.name for path in docs.iterdir()] == ["automaton_sizes.md"]
+    page = (docs / "automaton_sizes.md").read_text(encoding="utf-8")
+    assert page.startswith("# Sizes of automata\n")
 
 
 def test_the_command_lists_each_formula(
@@ -162,24 +165,24 @@ def test_the_command_lists_each_formula(
 def test_without_published_sizes_the_papers_formulas_are_left(
     run: Run, workdir: Path, one_bomb: None
 ) -> None:
-    status, out, err = run("bench", "--runs", "1")
+    status, out, err = run("bench", "--only", "automata", "--runs", "1")
     assert status == 0
     assert "no published sizes in `../shared/data/ltl`; give --data DIR" in err
     assert "literature" not in out
     assert "| circular_2 |" in out
 
 
-@pytest.mark.parametrize("option", [("--csv",), ("-o", "page.md")])
+@pytest.mark.parametrize("option", [("--csv",), ("-o", "docs")])
 def test_what_needs_published_sizes_says_so(
     run: Run, workdir: Path, option: tuple[str, ...]
 ) -> None:
-    status, out, err = run("bench", *option)
+    status, out, err = run("bench", "--only", "automata", *option)
     assert (status, out) == (2, "")
     assert err.startswith("error: no published sizes in")
-    assert not Path("page.md").exists()
+    assert not Path("docs").exists()
 
 
 def test_a_folder_without_the_table_is_a_usage_error(run: Run, workdir: Path) -> None:
-    status, out, err = run("bench", "--data", ".")
+    status, out, err = run("bench", "--only", "automata", "--data", ".")
     assert (status, out) == (2, "")
     assert err == "error: cannot read `reference_sizes.csv`: No such file or directory\n"

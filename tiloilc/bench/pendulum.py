@@ -1,14 +1,15 @@
 """Our SAC beside Stable-Baselines3's on Pendulum: same hyper-parameters, same judgement.
 
-`python -m tiloilc.bench.pendulum RECORDS` trains the seeds that RECORDS has not, a few minutes
-each, and adds them. No formula is involved: the reward is the environment's.
+`python -m tiloilc.bench.pendulum RECORDS PAGE` trains the seeds that RECORDS has not, a few minutes
+each, adds them, and writes the page. No formula is involved: the reward is the environment's.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -18,9 +19,22 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tiloilc.evaluate import Record, append, read
+from tiloilc.bench.markdown import table
+from tiloilc.evaluate import Record, append, generator, read, summarise
 from tiloilc.evaluate.protocol import git_commit, machine, versions
 from tiloilc.spec.settings import Settings
+
+HEAD = """\
+# Pendulum: our SAC beside Stable-Baselines3's
+
+Written by `make results`, not by hand, from the records in `results/sac/`. Both learn Pendulum-v1
+from the environment's reward for {steps:,} steps, ours with everything about logic switched off and
+all seeds as one program. The return is that of the greedy policy at the end, the mean of {episodes}
+episodes, the same ones for all. Intervals are bootstrapped over seeds.
+
+Told to both: {told}.
+
+"""
 
 NAME = "Pendulum-v1"
 HORIZON = 200
@@ -78,11 +92,8 @@ def judge(act: Act, seeds: int, episodes: int) -> tuple[float, ...]:
 
 def train_ours(steps: int, first_seed: int, seeds: int, **changes: object) -> Iterator[Point]:
     """Train `seeds` agents as one program; judged every EVERY steps."""
-    import torch
-
     from tiloilc.learn.plain import PlainSac
 
-    torch.set_num_threads(1)
     given = {**SETTINGS, "steps": steps, "seeds": seeds, "first_seed": first_seed, **changes}
     agent = PlainSac(3, 1, settings := Settings.model_validate(given))
     rng = np.random.default_rng([first_seed, seeds])
@@ -113,10 +124,8 @@ def train_ours(steps: int, first_seed: int, seeds: int, **changes: object) -> It
 def train_theirs(steps: int, seed: int) -> Iterator[Point]:
     """Train one agent with Stable-Baselines3."""
     import gymnasium
-    import torch
     from stable_baselines3 import SAC
 
-    torch.set_num_threads(1)
     s = Settings.model_validate({**SETTINGS, "steps": steps})
     model = SAC(
         "MlpPolicy",
@@ -171,15 +180,37 @@ def record(algorithm: str, first_seed: int, points: list[Point], seconds: float)
     ]
 
 
-def returns(records: list[Record], algorithm: str) -> NDArray[np.float64]:
+def returns(records: Sequence[Record], algorithm: str) -> NDArray[np.float64]:
     """The final returns of an implementation, one a seed."""
     chosen = [r.fields for r in records if r.fields["algorithm"] == algorithm]
     return np.array([fields["return"] for fields in chosen], np.float64)
 
 
+def pendulum_page(records: Sequence[Record]) -> str:
+    """The page as Markdown; the same records give the same text."""
+    lines = []
+    for algorithm in (OURS, THEIRS):
+        found = returns(records, algorithm)
+        summary = summarise(found, generator())
+        assert summary is not None
+        low, high = summary.mean_interval.low, summary.mean_interval.high
+        lines.append(
+            [
+                algorithm,
+                summary.count,
+                f"{summary.mean:.1f} ± {summary.sd:.1f}",
+                f"[{low:.1f}, {high:.1f}]",
+                " ".join(f"{value:.1f}" for value in found),
+            ]
+        )
+    told = ", ".join(f"{name} {json.dumps(value)}" for name, value in SETTINGS.items())
+    columns = ("learner", "seeds", "return", "95 % of the mean", "each seed")
+    return HEAD.format(steps=STEPS, episodes=LAST_EPISODES, told=told) + table(columns, lines)
+
+
 def main() -> None:
-    """Train what is missing."""
-    path = Path(sys.argv[1])
+    """Train what is missing, then write the page."""
+    path, page = Path(sys.argv[1]), Path(sys.argv[2])
     known = read(path) if path.exists() else []
     if len(returns(known, OURS)) < SEEDS:
         _add(path, OURS, 0, train_ours(STEPS, 0, SEEDS))
@@ -187,6 +218,7 @@ def main() -> None:
     for seed in range(SEEDS):
         if seed not in done:
             _add(path, THEIRS, seed, train_theirs(STEPS, seed))
+    page.write_text(pendulum_page(read(path)), encoding="utf-8")
 
 
 def _add(path: Path, algorithm: str, first_seed: int, training: Iterator[Point]) -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import platform
-from collections.abc import Iterable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 from tiloilc.bench.automata.measure import LIMITS, Alone, Figures, Measured, Row
 from tiloilc.bench.automata.references import VARIANTS
+from tiloilc.bench.markdown import machine, table
 
 HEAD = """\
 # Sizes of automata
@@ -67,7 +65,7 @@ def _sets(rows: Sequence[Row]) -> str:
         "Formulas of four sets and their negations, beside four published variants. States are\n"
         "summed; *larger* and *smaller* count formulas by the best of the four variants.\n\n"
     )
-    return text + _table(columns, lines)
+    return text + table(columns, lines)
 
 
 def _sum(some: Sequence[Measured]) -> str:
@@ -82,7 +80,7 @@ def _above(rows: Sequence[Row]) -> str:
     if not above:
         return "No formula is larger than the best of the four variants.\n"
     lines = [[f"`{_bars(row.formula)}`", row.best, _size(row.edge)] for row in above]
-    return "Larger than the best of the four variants:\n\n" + _table(
+    return "Larger than the best of the four variants:\n\n" + table(
         ("formula", "best of four", "edge"), lines
     )
 
@@ -100,7 +98,7 @@ def _paper(rows: Sequence[Row]) -> str:
         for row in rows
     ]
     columns = ("name", "formula", "best known", "edge", "state", "jumps")
-    return "## Formulas of the paper\n\n" + _table(columns, lines)
+    return "## Formulas of the paper\n\n" + table(columns, lines)
 
 
 def _times(literature: Sequence[Row], paper: Sequence[Row], runs: int) -> str:
@@ -115,7 +113,7 @@ def _times(literature: Sequence[Row], paper: Sequence[Row], runs: int) -> str:
         "Milliseconds for one translation with marked edges, in one warm process on one core:\n"
         f"the median of {runs} for each formula. Measured on {machine()}.\n\n"
     )
-    return text + _table(("formulas", "number", "median", "99 %", "longest"), lines)
+    return text + table(("formulas", "number", "median", "99 %", "longest"), lines)
 
 
 def _bombs(bombs: Sequence[Alone]) -> str:
@@ -134,7 +132,7 @@ def _bombs(bombs: Sequence[Alone]) -> str:
         f"Each in a process of its own, with the default limits of {LIMITS}: states, or the code\n"
         "of the error, then seconds and the process's memory in MiB.\n\n"
     )
-    return text + _table(("name", "formula", "state", "s", "MiB"), lines)
+    return text + table(("name", "formula", "state", "s", "MiB"), lines)
 
 
 def _size(measured: Measured) -> str:
@@ -144,22 +142,3 @@ def _size(measured: Measured) -> str:
 def _bars(formula: str) -> str:
     """A formula inside a table: a bar would end its cell."""
     return formula.replace("|", "\\|")
-
-
-def _table(columns: Sequence[str], lines: Iterable[Sequence[object]]) -> str:
-    rows = [columns, ["---"] * len(columns), *lines]
-    return "".join(f"| {' | '.join(map(str, row))} |\n" for row in rows)
-
-
-def machine() -> str:
-    """The processor and the Python that ran, in words."""
-    names = [platform.processor() or platform.machine()]
-    try:
-        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                names = [line.partition(":")[2].strip()]
-                break
-    except OSError:
-        pass
-    python = f"{platform.python_implementation()} {platform.python_version()}"
-    return f"{names[0]} ({os.cpu_count()} cores, {platform.system()}), {python}"
