@@ -25,8 +25,8 @@ ours includes the rewards of automaton states and, with K = 4, a step of each di
 Networks are those of the paper's table 5 (actor 3 × 256, critics 2 × 256), for 31 observations,
 five automaton states as one-hot and 4 actions; others see as many numbers. Stable-Baselines3 and
 SBX are called for many updates at once, when they are fastest. CleanRL's loop is written out from
-its published description. The matrix products are those of one update, each as `torch.mm` into
-memory that is there; nothing is added, compared or drawn.
+its published description. The matrix products are those of one update, one after the other into
+memory that is there, by the faster of torch's and numpy's libraries; nothing is added or drawn.
 """
 
 

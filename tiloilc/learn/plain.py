@@ -28,7 +28,6 @@ class PlainSac:
         capacity = min(settings.buffer_size, settings.steps)
         self.replay = Replay(settings.seeds, capacity, sum(self.parts))
 
-    @torch.no_grad()
     def act(self, observations: Floats, greedy: bool) -> Floats:
         """Actions in (−1, 1), [seed, n, m]."""
         x = torch.from_numpy(observations)
@@ -51,9 +50,8 @@ class PlainSac:
         """One update from one batch; losses [seed] by name."""
         rows = self.replay.sample(self.settings.batch_size, self.generator)
         x, action, reward, after, terminal = rows.split(self.parts, dim=-1)
-        with torch.no_grad():
-            value = self.sac.soft_value(after) * (1 - terminal[..., 0])
-            target = reward[..., 0] + self.settings.gamma * value
+        value = self.sac.soft_value(after) * (1 - terminal[..., 0])
+        target = reward[..., 0] + self.settings.gamma * value
         losses = {"critic": self.sac.update_critics(x, action, target)}
         losses["actor"] = self.sac.update_actor(x)
         self.sac.follow()

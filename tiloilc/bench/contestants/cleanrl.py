@@ -16,8 +16,8 @@ import torch
 from torch import Tensor, nn
 from torch.distributions import Normal
 
-from tiloilc.bench.contestants.noise import ACTIONS, OBSERVATIONS, Noise
-from tiloilc.bench.contestants.sb3 import STATES, fill
+from tiloilc.bench.contestants.noise import ACTIONS, OBSERVATIONS, STATES, Noise
+from tiloilc.bench.contestants.sb3 import fill
 from tiloilc.bench.contestants.work import Run, Work
 
 RATE, CRITIC_RATE, GAMMA, TAU = 3e-4, 1e-3, 0.99, 0.005

@@ -1,29 +1,54 @@
-"""The matrix products of one update and nothing else: no update can be faster than these."""
+"""The matrix products of one update and nothing else: no update can be faster than these.
+
+Each is done in turn, into memory that is there, by torch's library or numpy's: whichever is faster.
+"""
 
 from __future__ import annotations
 
+import timeit
 from collections.abc import Sequence
 from itertools import pairwise
 
+import numpy as np
 import torch
 from torch import Tensor
 
-from tiloilc.bench.contestants.noise import ACTIONS, OBSERVATIONS
-from tiloilc.bench.contestants.sb3 import STATES
+from tiloilc.bench.contestants.noise import ACTIONS, OBSERVATIONS, STATES
 from tiloilc.bench.contestants.work import Run, Work
+
+TRIED, TRIALS = 20, 5
+"""Updates in a trial of each library, and trials."""
 
 Product = tuple[Tensor, Tensor, Tensor]
 """Left [n, k], right [k, m], where the result goes [n, m]."""
 
 
 def updates(work: Work) -> Run:
-    """The products of one update of SAC, in their order, on one set of weights and activations."""
+    """The products of one update, one after the other."""
     torch.set_num_threads(1)
+    operands = products(work)
+    arrays = [tuple(tensor.numpy() for tensor in product) for product in operands]
+
+    def by_torch(times: int) -> None:
+        for _ in range(times):
+            for left, right, out in operands:
+                torch.mm(left, right, out=out)
+
+    def by_numpy(times: int) -> None:
+        for _ in range(times):
+            for left, right, out in arrays:
+                np.matmul(left, right, out=out)
+
+    return min(by_torch, by_numpy, key=_seconds)
+
+
+def products(work: Work) -> list[Product]:
+    """The products of one update of SAC, in their order, on one set of weights and activations."""
     seen = OBSERVATIONS + STATES
     actor = _Net([seen, *work.actor, 2 * ACTIONS], work.batch)
     critics = [_Net([seen + ACTIONS, *work.critic, 1], work.batch) for _ in range(2)]
     targets = [_Net([seen + ACTIONS, *work.critic, 1], work.batch) for _ in range(2)]
-    products = [
+    return [
         *actor.forward,  # at s'
         *(product for target in targets for product in target.forward),
         *(p for critic in critics for p in critic.forward + critic.weights + critic.inputs[1:]),
@@ -33,12 +58,11 @@ def updates(work: Work) -> Run:
         *actor.inputs[1:],
     ]
 
-    def run(times: int) -> None:
-        for _ in range(times):
-            for left, right, out in products:
-                torch.mm(left, right, out=out)
 
-    return run
+def _seconds(run: Run) -> float:
+    """The least time of some updates, after one that warms up."""
+    run(1)
+    return min(timeit.repeat(lambda: run(TRIED), number=1, repeat=TRIALS))
 
 
 class _Net:

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 OBSERVATIONS, ACTIONS = 31, 4
 
+STATES = 5
+"""Of the task's automaton, which we are told as one-hot: others see as many numbers more."""
+
 
 class Noise(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
     """Observations of `size` normal numbers, whatever the four actions are."""

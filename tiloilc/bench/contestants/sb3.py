@@ -13,13 +13,10 @@ from stable_baselines3.common.logger import configure
 from stable_baselines3.common.type_aliases import ReplayBufferSamples
 from torch import Tensor, nn
 
-from tiloilc.bench.contestants.noise import OBSERVATIONS, Noise
+from tiloilc.bench.contestants.noise import OBSERVATIONS, STATES, Noise
 from tiloilc.bench.contestants.work import WARM_UP, Run, Work
 from tiloilc.driver import compile_spec
 from tiloilc.spec.settings import Settings
-
-STATES = 5
-"""Of the automaton of `noise`, which ours are told as one-hot: others see as many more numbers."""
 
 
 def updates(work: Work) -> Run:

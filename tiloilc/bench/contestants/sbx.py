@@ -5,8 +5,8 @@ from __future__ import annotations
 from sbx import SAC
 from stable_baselines3.common.logger import configure
 
-from tiloilc.bench.contestants.noise import OBSERVATIONS, Noise
-from tiloilc.bench.contestants.sb3 import STATES, fill
+from tiloilc.bench.contestants.noise import OBSERVATIONS, STATES, Noise
+from tiloilc.bench.contestants.sb3 import fill
 from tiloilc.bench.contestants.work import WARM_UP, Run, Work
 
 STEPS = 64
