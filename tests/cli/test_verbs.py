@@ -345,6 +345,12 @@ def test_the_schema_accepts_the_bundled_specs(run: Run, root: Path) -> None:
         jsonschema.validate(YAML(typ="safe").load(path.read_text(encoding="utf-8")), schema)
 
 
+def test_the_table_of_settings_is_up_to_date(run: Run, root: Path) -> None:
+    """Else: `tiloilc schema --format markdown > docs/settings.md`."""
+    page = (root / "docs" / "settings.md").read_text(encoding="utf-8")
+    assert run("schema", "--format", "markdown")[1] == page
+
+
 def test_the_doctor_names_what_is_installed(run: Run) -> None:
     status, out, _ = run("doctor", "--fast")
     assert status == 0

@@ -211,6 +211,16 @@ def test_a_file_is_found_beside_the_task_file(workdir: Path) -> None:
     assert len(demos) == 3
 
 
+def test_demonstrations_have_the_number_and_the_length_that_are_wanted(workdir: Path) -> None:
+    wanted = Demonstrations(source="expert", count=2, max_steps=7, actions="recorded")
+    demos = demonstrations_for(
+        wanted, FLATWORLD, FLAT, CYCLE, name="flatworld_cycle", folder=workdir
+    )
+    assert [demo.steps for demo in demos.episodes] == [7, 7]
+    assert [len(demo.actions) for demo in demos.episodes if demo.actions is not None] == [7, 7]
+    assert demos.meta["steps"] == [7, 7]
+
+
 def test_recorded_actions_that_are_not_there_are_a_finding(workdir: Path) -> None:
     ours = bundled("flatworld_cycle")
     assert ours is not None

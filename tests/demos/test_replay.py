@@ -17,6 +17,7 @@ from tiloilc.demos import (
     replay,
     replay_all,
 )
+from tiloilc.product import walk_tables
 
 CYCLE = chain("rgy", cyclic=True, avoid="b")
 ONCE = chain("ab", cyclic=False, avoid="z")
@@ -115,6 +116,15 @@ def test_a_set_is_cut_with_its_actions() -> None:
     assert cut.episodes[0].actions.tolist() == [[0], [1], [2]]
     assert cut.meta["steps"] == [3]
     assert replays[0].visits == 1
+
+
+def test_a_demonstration_is_read_by_the_jumps_of_the_product_that_is_trained_in() -> None:
+    """Free, the jump reads the first letter of the stay; as a step, it comes before that letter."""
+    word = spelled([0, 0, 0, 1, 1, 1])
+    walk = walk_tables(staying(), "step")
+    step = replay(word, read, staying(), options=lambda b, x: walk.options[b, x].tolist())
+    assert replay(word, read, staying()).states.tolist() == [0, 0, 0, 1, 1, 1]
+    assert step.states.tolist() == [0, 0, 1, 1, 1, 1]
 
 
 def findings(episodes: list[list[int]], ldba: Ldba) -> list[tuple[str, str]]:

@@ -50,6 +50,9 @@ FORMULA = '"G F r & G !y & G !b"'
         ("steps: 10_000", "steps: 10_000\n  beta: 1/2", "PLAN404", "1/2"),
         ("steps: 10_000", "steps: 10_000\n  backbone: tabular", "JOB604", "tabular"),
         ("steps: 10_000", "steps: 2_000", "JOB609", "2_000"),
+        ("steps: 10_000", "steps: 10_000\n  sink_reward: -0.1", "JOB605", "-0.1"),
+        ("steps: 10_000", "steps: 10_000\n  entropy: 1.5", "JOB605", "1.5"),
+        ("steps: 10_000", "steps: 10_000\n  tau: 1e-5", "JOB605", "1e-5"),
         ("FlatWorld-v0", "FlatWrld-v0", "JOB600", "tiloilc/FlatWrld-v0"),
         ("  horizon: 50", "  horizon: 50\n  kwargs: {dt: 1, x: 2}", "JOB600", "kwargs"),
         ("norm(pos)", "norm(posi)", "SPEC111", "posi"),
@@ -67,6 +70,32 @@ def test_a_fault_is_found_and_placed(
     assert found, codes(lint(path))
     if at is not None:
         assert excerpt(path, found[0]).strip() == at
+
+
+STEPS = "steps: 10_000\n  epsilon: step\n  accepting_target: "
+STAY = (FORMULA, '"F G r & G !y & G !b"')
+
+
+@pytest.mark.parametrize(("kind", "said"), [("constant", True), ("live", False)])
+def test_jumping_at_once_is_named_where_it_would_be_best(
+    tmp_path: Path, kind: str, said: bool
+) -> None:
+    path = spec(tmp_path, STAY, ("steps: 10_000", STEPS + kind))
+    found = [d for d in lint(path) if d.code == "JOB605"]
+    assert [excerpt(path, d).strip() for d in found] == ["step"] * said
+
+
+def test_settings_are_doubted_only_where_they_matter(tmp_path: Path) -> None:
+    """No sink, no temperature on a table's maxima, no target network on a table."""
+    without_sink = (FORMULA, '"G F (r & X F y) & G F b"')
+    changes = ("steps: 10_000", "steps: 10_000\n  sink_reward: 0")
+    assert "JOB605" not in codes(lint(spec(tmp_path, without_sink, changes)))
+    changes = ("steps: 10_000", "steps: 10_000\n  tau: 1e-5")
+    on_a_grid = ("tiloilc/FlatWorld-v0", "tiloilc/GridSequential-v0")
+    fields = [("dist(pos, [0.45, -0.75]) < 0.3", "x > 3"), ("norm(pos) < 0.8", "y > 3")]
+    fields += [("dist(pos, [-0.85, 0.15]) < 0.3", "x < 1")]
+    found = codes(lint(spec(tmp_path, on_a_grid, changes, *fields)))
+    assert not {"JOB605", "JOB600", "SPEC111"} & set(found)
 
 
 def test_independent_faults_are_found_in_one_run_sorted_by_place(tmp_path: Path) -> None:

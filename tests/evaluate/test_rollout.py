@@ -110,6 +110,19 @@ def test_the_agent_decides_about_jumps_in_evaluation_as_in_training() -> None:
     assert rollout.states[0, 0].tolist() == [1, 1, 1]  # it takes the jump as soon as it can
 
 
+def test_a_jump_that_takes_a_step_has_its_place_in_the_rollout() -> None:
+    """From cell 0, yellow for ever: the jump, then three moves in a horizon of four."""
+    made = plan(stabilization(), "TestsLine-v0", horizon=4, epsilon="step")
+    rollout = play(made, cell_is(0, 4), always(STAY))
+    assert rollout.states[0, 0].tolist() == [0, 1, 1, 1, 1]
+    assert rollout.accepting[0, 0].tolist() == [False, True, True, True, True]
+    assert rollout.observations[0, :, 0].tolist() == [0, 0, 0, 0, 0]
+    made = plan(stabilization(), "TestsLine-v0", horizon=4, epsilon="step", kwargs={"size": 9})
+    moving = play(made, cell_is(0, 8), always(RIGHT))
+    assert moving.observations[0, :, 0].tolist() == [0, 0, 1, 2, 3]
+    assert moving.states[0, 0].tolist() == [0, 1, 2, 2, 2]
+
+
 @pytest.mark.parametrize("greedy", [True, False])
 def test_greedy_is_handed_to_the_policy(greedy: bool) -> None:
     made = plan(stabilization(), "TestsLine-v0", horizon=2)

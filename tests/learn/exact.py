@@ -94,7 +94,7 @@ def exact(made: Plan, rounds: int = 400) -> Values:
 
     def with_jumps(v: Values, cell: int, b: int) -> float:
         """Being in (cell, b) with its jumps as further actions: R + γ times what comes after."""
-        jumps = [pay_of(made, b) + GAMMA * entered(v, cell, t) for t in ldba.jump_targets[b]]
+        jumps = [pay_of(made, b) + GAMMA * float(v[cell, t]) for t in ldba.jump_targets[b]]
         return max([entered(v, cell, b), *jumps])
 
     for _ in range(rounds):

@@ -94,7 +94,7 @@ def looped(
 ) -> tuple[Loop, Spy]:
     """A loop of two seeds, run up to `until`."""
     given = settings(**{"learning_starts": 2, **changes})
-    walk = walk_tables(ldba)
+    walk = walk_tables(ldba, given.epsilon)
     many = Copies(Environment(id=world, horizon=horizon, kwargs=kwargs or {}), 2 * copies)
     collector = Segmenter(walk, stage_plan(ldba), many.count, horizon, many.dimensions, True)
     spy = Spy(action)
@@ -272,21 +272,56 @@ def test_nothing_is_claimed_before_an_episode_has_ended() -> None:
     assert loop.tally.event()["visits"] == [None, None]
 
 
+# jumps that take a step
+
+
+def test_a_jump_that_takes_a_step_shortens_the_episode_and_is_no_transition() -> None:
+    """The promise of yellow is made in cell 0 and broken in cell 1, by the third step of five."""
+    _, spy = looped(stabilization(), cell_is(8, 9), until=3, horizon=5, epsilon="step")
+    assert column(spy, "observation") == [0, 0, 0]
+    assert column(spy, "state") == [1, 1, 1]  # where the jump led
+    assert column(spy, "after") == [1, 1, 1]  # no step in which the environment stands still
+    assert spy.ended == [([True, True], [1, 1])] * 3
+
+
+def test_the_segment_before_a_jump_ends_in_the_state_that_it_leads_to() -> None:
+    _, spy = looped(
+        stabilization(), cell_is(8, 9), until=2, horizon=5, epsilon="step", end_on_sink=False
+    )
+    mine = [(b, seen) for seed, b, seen in spy.segments if seed == 0]
+    assert mine == [(1, [0, 0])]  # (s, 0) and, a step later, (s, 1), which accepts
+
+
+def test_an_episode_has_horizon_steps_jumps_included() -> None:
+    always_yellow = cell_is(0, 9)
+    loop, spy = looped(
+        stabilization(), always_yellow, until=12, horizon=5, epsilon="step", action=1
+    )
+    assert [lengths for over, lengths in spy.ended] == [[4, 4]] * 3
+    visits = 3 * (1 + 4) + 1  # the jumps' arrivals, four of yellow each; the fourth has begun
+    assert loop.tally.event()["visits"] == [visits / 3] * 2
+
+
 # resuming
 
 
 @pytest.mark.parametrize("at", range(1, 14))
-def test_a_loop_goes_on_from_its_state_at_any_step(at: int) -> None:
+@pytest.mark.parametrize("epsilon", ["free", "step"])
+def test_a_loop_goes_on_from_its_state_at_any_step(at: int, epsilon: str) -> None:
     """Seeds die at different times, so episodes are at different steps when the state is taken."""
     deadly = ring(["far"], "deadly"), beyond(9, 0.3)
+    if epsilon == "step":
+        deadly = stabilization(), beyond(-1, 0.3)  # a jump at once, and then yellow for ever
 
     def build(until: int) -> tuple[Loop, Spy]:
-        return looped(*deadly, until=until, world="TestsDrift-v0", action=[0.6], horizon=6)
+        drift = {"world": "TestsDrift-v0", "action": [0.6], "horizon": 6}
+        return looped(*deadly, until=until, epsilon=epsilon, **drift)
 
     whole, expected = build(20)
     first, _ = build(at)
     second, spy = build(0)
     second.load({name: tensor.clone() for name, tensor in first.state().items()})
+    spy.segments.clear()  # of its own first jump
     for _ in second.run(20):
         pass
     assert len(spy.steps) == 20 - at

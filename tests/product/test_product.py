@@ -16,7 +16,9 @@ def last_option(observations: Floats, options: Int) -> Int:
     return options[:, -1]
 
 
-def product(ldba: Ldba, count: int = 1, choose=first_option, **kwargs) -> Product:
+def product(
+    ldba: Ldba, count: int = 1, choose=first_option, epsilon="free", horizon=9, **kwargs
+) -> Product:
     """On `Line`: proposition i holds in cell i."""
 
     def labels(observations: Floats) -> Int:
@@ -25,7 +27,7 @@ def product(ldba: Ldba, count: int = 1, choose=first_option, **kwargs) -> Produc
         )
 
     copies = Copies(Environment(id="TestsLine-v0", horizon=9, kwargs=kwargs), count)
-    return Product(copies, labels, walk_tables(ldba), choose)
+    return Product(copies, labels, walk_tables(ldba, epsilon), choose, horizon)
 
 
 def begin(p: Product) -> None:
@@ -104,3 +106,49 @@ def test_termination_is_handed_on_and_ends_nothing_by_itself() -> None:
     begin(p)
     assert p.step(np.array([2, 1])).tolist() == [True, False]
     assert p.elapsed.tolist() == [1, 1]
+
+
+# jumps that take a step
+
+
+def test_a_jump_that_takes_a_step_reads_no_label_and_moves_nothing() -> None:
+    """Cell 0 is yellow, cell 1 blue: the jump is taken all the same, and blue is then read in 1."""
+    p = product(stabilization(), choose=last_option, epsilon="step", start=3)
+    begin(p)
+    assert (p.landed.tolist(), p.states.tolist(), p.jumped.tolist()) == ([0], [1], [True])
+    assert (p.elapsed.tolist(), p.moves.tolist()) == ([1], [0])
+    assert p.observations[:, 0].tolist() == [3]
+    p.step(np.array([1]))
+    assert (p.landed.tolist(), p.states.tolist(), p.jumped.tolist()) == ([2], [2], [False])
+    assert (p.elapsed.tolist(), p.moves.tolist()) == ([2], [1])
+
+
+def test_who_does_not_jump_goes_on_as_if_there_were_no_jumps() -> None:
+    p = product(stabilization(), epsilon="step", start=3)
+    begin(p)
+    for t in range(1, 4):
+        p.step(np.array([1]))
+        assert (p.states.tolist(), p.elapsed.tolist(), p.moves.tolist()) == ([0], [t], [t])
+
+
+def test_nobody_jumps_when_the_time_is_over_nor_where_the_environment_has_ended() -> None:
+    p = product(stabilization(), choose=last_option, epsilon="step", horizon=0, start=3)
+    begin(p)
+    assert (p.states.tolist(), p.elapsed.tolist()) == ([0], [0])
+
+    def second_time(observations: Floats, options: Int) -> Int:
+        return options[:, -1] if observations[0, 0] == 4 else options[:, 0]
+
+    p = product(stabilization(), choose=second_time, epsilon="step", start=3, ends=True)
+    begin(p)
+    assert p.step(np.array([2])).tolist() == [True]
+    assert (p.states.tolist(), p.jumped.tolist()) == ([0], [False])
+
+
+def test_a_reset_of_some_copies_makes_only_those_jump() -> None:
+    p = product(stabilization(), count=2, choose=first_option, epsilon="step", start=3)
+    begin(p)
+    p.choose = last_option
+    p.reset([0, 0], np.array([False, True]))
+    assert (p.states.tolist(), p.elapsed.tolist()) == ([0, 1], [0, 1])
+    assert p.jumped.tolist() == [False, True]

@@ -57,6 +57,23 @@ def test_nobody_is_offered_to_jump_into_the_sink_or_out_of_it() -> None:
     assert (walk.options[2] == 2).all()
 
 
+def test_a_jump_that_takes_a_step_begins_where_the_letter_led() -> None:
+    ldba = stabilization()
+    walk = walk_tables(ldba, "step")
+    nothing, yellow, blue = ldba.letter([]), ldba.letter(["y"]), ldba.letter(["b"])
+    assert walk.costly
+    assert walk.options[0, nothing].tolist() == [0, 1]  # whatever is read, one may jump then
+    assert walk.options[0, yellow].tolist() == [0, 1]
+    assert walk.options[0, blue].tolist() == [2, 2]  # but not out of the sink
+    assert walk.options[1, yellow].tolist() == [1, 1]
+    assert (walk.options[2] == 2).all()
+
+
+def test_no_step_is_taken_where_there_are_no_jumps() -> None:
+    assert not walk_tables(flatworld_cycle(), "step").costly
+    assert not walk_tables(stabilization()).costly
+
+
 def test_without_jumps_there_is_nothing_to_choose() -> None:
     walk = walk_tables(flatworld_cycle())
     assert not walk.chooses

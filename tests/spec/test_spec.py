@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import jsonschema
@@ -10,6 +11,7 @@ from ruamel.yaml import YAML
 
 from tiloilc.diag import CompileError, Diagnostic, render
 from tiloilc.spec import PythonPredicate, Spec, examine_text, json_schema, read_spec
+from tiloilc.spec.settings import PAPER, Settings
 
 GOOD = """\
 name: demo
@@ -145,6 +147,33 @@ def test_a_mistake_is_one_finding_at_its_place(
     assert finding.code == code
     assert message in finding.message
     assert marked(yaml, finding) == piece
+
+
+NUMBERS = [
+    ("train", name)
+    for name in Settings.model_fields
+    if name != "beta" and type(PAPER.get(name, 1)) in (int, float, tuple)
+] + [
+    ("environment", "horizon"),
+    ("demonstrations", "count"),
+    ("demonstrations", "max_visits"),
+    ("demonstrations", "max_steps"),
+    ("evaluate", "episodes"),
+    ("evaluate", "every"),
+]
+
+
+@pytest.mark.parametrize(("section", "key"), NUMBERS, ids=[key for _, key in NUMBERS])
+def test_every_number_has_a_limit_beyond_which_it_is_a_finding_at_its_place(
+    section: str, key: str
+) -> None:
+    """A slip of the finger is no memory error (β has a finding of its own, PLAN404)."""
+    given = f"[{'9' * 15}]" if key.endswith("_hidden") else "9" * 15
+    yaml = f"{section}: {{{key}: {given}}}\n"
+    (finding,) = (f for f in examined(yaml)[1] if key in f.message)
+    assert finding.code == "SPEC103"
+    assert re.search(r"must be .*at most [\d,.]+, not", finding.message)
+    assert marked(yaml, finding) == "9" * 15
 
 
 def test_no_finding_speaks_pydantic() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
@@ -75,6 +75,14 @@ class DemoSet:
             if isinstance(meta.get(key), list):
                 meta[key] = meta[key][:count]
         return DemoSet(self.episodes[:count], meta)
+
+    def cut(self, steps: Sequence[int]) -> DemoSet:
+        """The first `steps[i]` steps of episode i; the sidecar follows."""
+        episodes = tuple(d.head(n) for d, n in zip(self.episodes, steps, strict=True))
+        meta = dict(self.meta)
+        if "steps" in meta:
+            meta["steps"] = [demo.steps for demo in episodes]
+        return DemoSet(episodes, meta)
 
     def without_actions(self) -> DemoSet:
         """States only, as in the paper."""

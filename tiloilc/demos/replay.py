@@ -9,11 +9,14 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from tiloilc.automaton.ldba import Ldba, StateId
+from tiloilc.automaton.ldba import Ldba, Letter, StateId
 from tiloilc.demos.model import DemoSet, Floats, Letters
 
 Labels: TypeAlias = Callable[[Floats], Letters]
 """Observations [n, d] to letters [n]: bit i says whether proposition i holds."""
+
+Options: TypeAlias = Callable[[StateId, Letter], Sequence[StateId]]
+"""Where a run may be after a letter; of several the first is the one without a jump."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,16 +36,22 @@ class Replay:
 
 
 def replay(
-    observations: Floats, labels: Labels, ldba: Ldba, max_visits: int | None = None
+    observations: Floats,
+    labels: Labels,
+    ldba: Ldba,
+    max_visits: int | None = None,
+    options: Options | None = None,
 ) -> Replay:
     """Run one demonstration [T+1, d], cut after `max_visits` accepting visits.
+
+    `options` are those of the product that is trained in; without them jumps are free.
 
     At ε-jumps it is read in its own favour, the whole of it known: of all runs those that stay out
     of the sink longest, of these one that accepts most often, and of these the one that jumps
     last.
     """
     letters = np.asarray(labels(observations), np.int64)
-    states = best_run(letters.tolist(), ldba)
+    states = best_run(letters.tolist(), ldba, options)
     accepting = np.isin(states, sorted(ldba.accepting))
     if max_visits is not None:
         arrivals = np.flatnonzero(accepting[1:]) + 1
@@ -54,35 +63,38 @@ def replay(
 
 
 def replay_all(
-    demos: DemoSet, labels: Labels, ldba: Ldba, max_visits: int | None = None
+    demos: DemoSet,
+    labels: Labels,
+    ldba: Ldba,
+    max_visits: int | None = None,
+    options: Options | None = None,
 ) -> tuple[DemoSet, tuple[Replay, ...]]:
     """Replay every demonstration; returns them cut to the length of their replays."""
-    replays = tuple(replay(d.observations, labels, ldba, max_visits) for d in demos.episodes)
-    cut = tuple(
-        demo.head(len(run.states) - 1) for demo, run in zip(demos.episodes, replays, strict=True)
+    replays = tuple(
+        replay(demo.observations, labels, ldba, max_visits, options) for demo in demos.episodes
     )
-    meta = dict(demos.meta)
-    if "steps" in meta:
-        meta["steps"] = [demo.steps for demo in cut]
-    return DemoSet(cut, meta), replays
+    return demos.cut([len(run.states) - 1 for run in replays]), replays
 
 
-def best_run(letters: Sequence[int], ldba: Ldba) -> npt.NDArray[np.int64]:
+def best_run(
+    letters: Sequence[int], ldba: Ldba, options: Options | None = None
+) -> npt.NDArray[np.int64]:
     """The automaton states after each letter, [T+1], by the run that `replay` describes."""
+    offered = options or ldba.options
     reached: list[dict[StateId, tuple[StateId, ...]]] = []
     current: tuple[StateId, ...] = (ldba.initial,)
     for letter in letters:
-        reached.append({b: ldba.options(b, letter) for b in current})
-        current = tuple(sorted({o for options in reached[-1].values() for o in options}))
+        reached.append({b: tuple(offered(b, letter)) for b in current})
+        current = tuple(sorted({o for found in reached[-1].values() for o in found}))
     worth = dict.fromkeys(current, (0, 0))
     choices: list[dict[StateId, StateId]] = []
     for options_of in reversed(reached):
         chosen: dict[StateId, StateId] = {}
         before: dict[StateId, tuple[int, int]] = {}
-        for b, options in options_of.items():
-            values = [_add(worth[o], o, ldba) for o in options]
+        for b, reachable in options_of.items():
+            values = [_add(worth[o], o, ldba) for o in reachable]
             before[b] = max(values)
-            chosen[b] = options[values.index(before[b])]
+            chosen[b] = reachable[values.index(before[b])]
         choices.append(chosen)
         worth = before
     run = []

@@ -23,7 +23,8 @@ def demonstrations_for(
     folder: Path,
     span: Span | None = None,
 ) -> DemoSet:
-    """The demonstrations that a task file asks for, whole; the caller cuts and checks them.
+    """The demonstrations that a task file asks for, of its length; the caller checks them, and cuts
+    them after visits.
 
     `file:` is relative to `folder`. `source: expert` takes the bundled demonstrations of the task
     `name` if they are of the same environment and the automaton accepts each; else it records.
@@ -41,6 +42,8 @@ def demonstrations_for(
     else:
         return DemoSet(())
     demos = demos.take(wanted.count)
+    if wanted.max_steps is not None:
+        demos = demos.cut([wanted.max_steps] * len(demos))
     if wanted.actions == "recorded" and not demos.has_actions:
         raise CompileError(Diagnostic.of("DEMO505", span))
     return demos if wanted.actions == "recorded" else demos.without_actions()

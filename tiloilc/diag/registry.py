@@ -178,6 +178,7 @@ RULES: dict[str, Rule] = _rules(
     Rule("JOB602", E, "unsupported-space", "`{environment}` has {problem}"),
     Rule("JOB603", E, "broken-version", "{package} {version} is known to break this task"),
     Rule("JOB604", E, "bad-setting", "setting `{setting}`: {problem}"),
+    Rule("JOB605", W, "doubtful-setting", "setting `{setting}`: {problem}"),
     # Training
     Rule(
         "JOB606",

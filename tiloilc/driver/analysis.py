@@ -17,7 +17,7 @@ from tiloilc.driver.environment import Asked, ask
 from tiloilc.driver.findings import Findings
 from tiloilc.driver.formula import meaning, translated, unused
 from tiloilc.driver.imported import import_findings, imported
-from tiloilc.driver.settings import settings_findings
+from tiloilc.driver.settings import doubtful_findings, settings_findings
 from tiloilc.label import compile_predicates
 from tiloilc.ltl import Parsed, parse
 from tiloilc.plan import Stages, importable, stage_findings, stage_plan
@@ -67,6 +67,18 @@ def analyse(path: str | os.PathLike[str]) -> Analysis:
     fields = {**(asked.fields if asked else {}), **(spec.fields if spec else {})}
     if asked is not None and spec is not None:
         findings.add(_fit(spec, asked, document))
+        if ldba is not None and stages is not None:
+            tabular = _backbone(spec, asked) == "tabular"
+            findings.add(
+                doubtful_findings(
+                    spec.train,
+                    ldba,
+                    stages,
+                    asked.greatest_entropy,
+                    tabular,
+                    lambda name: _setting(document, name),
+                )
+            )
     with importable(document.path.parent):
         known = asked is not None and (spec is not None or not document.has("observation"))
         labels = _labels(document, fields, known, findings)
@@ -137,6 +149,13 @@ def _environment(document: Document, spec: Spec | None) -> Environment | None:
     return None if document.has("environment", "kwargs") else Environment(id=name, horizon=1)
 
 
+def _backbone(spec: Spec, asked: Asked) -> str:
+    """What learns: the table or the networks."""
+    if spec.train.backbone == "auto":
+        return "tabular" if asked.finite else "sac"
+    return spec.train.backbone
+
+
 def _fit(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
     """JOB601, JOB604, JOB608 and SPEC120."""
     found = []
@@ -144,9 +163,7 @@ def _fit(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
         span = document.span("environment", "id")
         help = "draw all randomness from `self.np_random`"
         found.append(Diagnostic.of("JOB601", span, environment=spec.environment.id, help=help))
-    backbone = spec.train.backbone
-    if backbone == "auto":
-        backbone = "tabular" if asked.finite else "sac"
+    backbone = _backbone(spec, asked)
     if backbone == "sac" and asked.discrete:
         given = document.has("train", "backbone")
         span = document.span("train", "backbone") if given else document.span("environment", "id")

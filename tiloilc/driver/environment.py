@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -48,6 +49,15 @@ class Asked:
         from gymnasium.spaces import Discrete
 
         return isinstance(self.action_space, Discrete)
+
+    @property
+    def greatest_entropy(self) -> float:
+        """Of a policy, in nats; real actions count as scaled to [-1, 1]."""
+        from gymnasium.spaces import Discrete
+
+        if isinstance(self.action_space, Discrete):
+            return math.log(int(self.action_space.n))
+        return math.prod(self.action_space.shape or (1,)) * math.log(2)
 
 
 def ask(environment: Environment, document: Document) -> Asked:

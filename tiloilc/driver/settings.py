@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import Diagnostic, Span
+from tiloilc.plan import Stages
 from tiloilc.spec.settings import Settings
 
 MAX_BETA = 0.5
@@ -37,6 +39,53 @@ def settings_findings(
     if settings.end_on_sink and not settings.exact_entry:
         problem = "no step of a sink is seen, so its value must be given"
         yield _bad("end_on_sink", problem, "set `exact_entry: true`", place)
+
+
+def doubtful_findings(
+    settings: Settings,
+    ldba: Ldba,
+    stages: Stages,
+    entropy: float,
+    tabular: bool,
+    place: Callable[[str], Span | None] = _nowhere,
+) -> Iterator[Diagnostic]:
+    """JOB605 for settings under which what pays best is not what is asked for.
+
+    `entropy` is the greatest that a policy can have, in nats.
+    """
+    short = [b for b in ldba.states if stages.distance[b] > 0]
+    spread = settings.beta if settings.stages else 1.0
+    index = [stages.index[b] if settings.stages else 0 for b in short]
+    length = [stages.length[b] if settings.stages else 1 for b in short]
+    worst = min(((i - spread) / n for i, n in zip(index, length, strict=True)), default=0.0)
+    best = max(((i + spread) / n for i, n in zip(index, length, strict=True)), default=0.0)
+    if ldba.sink is not None and settings.sink_reward > worst:
+        problem = f"a sink pays {settings.sink_reward:g}, a live state as little as {worst:.3g}"
+        yield _doubtful("sink_reward", problem, "set `sink_reward: -1`", place)
+    most = 1 / (1 - settings.gamma)
+    lingering = 0.0 if settings.entropy == "tuned" else best + float(settings.entropy) * entropy
+    if settings.segment and settings.entropy != 0 and lingering > 1:
+        worth = f"short of acceptance can be worth {lingering * most:.0f}"
+        problem = f"with a fixed temperature to linger {worth}, acceptance is worth {most:.0f}"
+        yield _doubtful("entropy", problem, "set `entropy: tuned`", place)
+    guessed = ldba.accepting & {target for _, target in ldba.jumps}
+    if settings.epsilon == "step" and guessed and settings.accepting_target == "constant":
+        problem = (
+            "a jump reads no letter and acceptance has a constant value: to jump at once is best"
+        )
+        yield _doubtful("epsilon", problem, "set `accepting_target: live`", place)
+    updates = max(settings.steps - settings.learning_starts, 0) * settings.updates_per_step
+    if not tabular and updates and (1 - settings.tau) ** updates > 0.5:
+        problem = (
+            f"after all {updates:,.0f} updates the targets are mostly what they were at random"
+        )
+        yield _doubtful("tau", problem, "0.005 is usual", place)
+
+
+def _doubtful(
+    setting: str, problem: str, help: str, place: Callable[[str], Span | None]
+) -> Diagnostic:
+    return Diagnostic.of("JOB605", place(setting), setting=setting, problem=problem, help=help)
 
 
 def _bad(setting: str, problem: str, help: str, place: Callable[[str], Span | None]) -> Diagnostic:

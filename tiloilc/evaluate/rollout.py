@@ -35,7 +35,8 @@ class Arena:
     """Environments for evaluation, apart from those of training, made once and used again."""
 
     def __init__(self, plan: Plan, labels: Labels, episodes: int) -> None:
-        self.plan, self.labels, self.walk = plan, labels, walk_tables(plan.ldba)
+        self.plan, self.labels = plan, labels
+        self.walk = walk_tables(plan.ldba, plan.train.epsilon)
         self.shape = (plan.train.seeds, episodes)
         self.copies = Copies(plan.environment, plan.train.seeds * episodes)
 

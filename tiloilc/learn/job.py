@@ -67,5 +67,11 @@ def make_agent(plan: Plan, walk: Walk, copies: Copies, shown: Shown) -> Agent:
 def _shown(plan: Plan, demos: DemoSet, labels: Labels, walk: Walk, copies: Copies) -> Shown:
     wanted = plan.demonstrations
     used = demos.take(wanted.count)
-    cut, replays = replay_all(used, labels, plan.ldba, wanted.max_visits)
+    cut, replays = replay_all(
+        used,
+        labels,
+        plan.ldba,
+        wanted.max_visits,
+        lambda b, letter: walk.options[b, letter].tolist(),
+    )
     return show(cut, replays, walk, wanted, copies.dimensions, plan.train.segment)

@@ -78,7 +78,8 @@ def option_values(
     Entering acceptance and sinks has exact values (`exact_entry`): rows of acceptance are rare,
     their Q is untrained for long. `wait` [seed, n] is R((s', b')) of the first option where jumps
     take a step: a jump is an action whose whole effect is known, so its Q needs no network. It is
-    paid that reward now, and the state that it leads to comes a step later (definition 2.3).
+    paid that reward now, and the state that it leads to comes a step later (definition 2.3). It has
+    read no letter, so acceptance by a jump alone has no exact value: it must prove its worth.
     """
     value = soft_value
     if settings.exact_entry:
@@ -88,7 +89,7 @@ def option_values(
         value = torch.where(table.sink[options], settings.sink_reward * most, value)
     if wait is None:
         return value
-    later = wait[..., None] + settings.gamma * value
+    later = wait[..., None] + settings.gamma * soft_value
     return torch.where(options == options[..., :1], value, later)
 
 

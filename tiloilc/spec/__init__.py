@@ -1,6 +1,7 @@
 """YAML text to a typed, frozen task with the place of every node."""
 
 from tiloilc.spec.model import Demonstrations, Environment, Evaluate, PythonPredicate, Spec
+from tiloilc.spec.page import settings_page
 from tiloilc.spec.problems import refusal
 from tiloilc.spec.read import Document, SpecFile, examine_spec, examine_text, read_spec
 from tiloilc.spec.schema import json_schema
@@ -21,4 +22,5 @@ __all__ = [
     "json_schema",
     "read_spec",
     "refusal",
+    "settings_page",
 ]

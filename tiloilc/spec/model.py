@@ -17,7 +17,7 @@ class Environment(Model):
         min_length=1, description="Gymnasium id; `module:Id-v0` imports the module first"
     )
     kwargs: dict[str, Any] = Field(default_factory=dict, description="arguments of the environment")
-    horizon: Whole = Field(gt=0, description="environment steps in an episode")
+    horizon: Whole = Field(gt=0, le=1_000_000, description="environment steps in an episode")
 
 
 class Demonstrations(Model):
@@ -25,9 +25,17 @@ class Demonstrations(Model):
 
     source: Literal["expert"] | None = Field(default=None, description="the task's scripted expert")
     file: str | None = Field(default=None, description="an .npz of demonstrations")
-    count: Whole = Field(default=5, ge=0, description="how many are used")
+    count: Whole = Field(
+        default=5, ge=0, le=100_000, description="how many are used (appendix G.2)"
+    )
     max_visits: Whole | None = Field(
-        default=None, gt=0, description="cut each after that many accepting visits"
+        default=None,
+        gt=0,
+        le=1_000_000,
+        description="cut each after that many accepting visits (section 4)",
+    )
+    max_steps: Whole | None = Field(
+        default=None, gt=0, le=1_000_000, description="cut each after that many steps (table 4)"
     )
     actions: Literal["none", "recorded", "inferred"] = Field(
         default="none", description="what may enter the replay beside the states"
@@ -37,8 +45,13 @@ class Demonstrations(Model):
 class Evaluate(Model):
     """How a policy is judged."""
 
-    episodes: Whole = Field(default=20, gt=0, description="episodes per seed")
-    every: Whole | None = Field(default=None, gt=0, description="environment steps between two")
+    episodes: Whole = Field(default=20, gt=0, le=10_000, description="episodes per seed")
+    every: Whole | None = Field(
+        default=None,
+        gt=0,
+        le=1_000_000_000,
+        description="environment steps between two evaluations; else there are 20",
+    )
 
 
 class PythonPredicate(Model):

@@ -35,10 +35,10 @@ _WANTED = {
 """What is wanted, by the first word of pydantic's error type (`int_parsing`, `float_type`, …)."""
 
 _LIMITS = {
-    "greater_than": "greater than {gt:g}",
-    "greater_than_equal": "at least {ge:g}",
-    "less_than": "less than {lt:g}",
-    "less_than_equal": "at most {le:g}",
+    "greater_than": ("greater than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("less than", "lt"),
+    "less_than_equal": ("at most", "le"),
 }
 
 
@@ -235,7 +235,11 @@ def _wanted(detail: ErrorDetails) -> str:
     """What a value should have been."""
     kind, about = detail["type"], _context(detail)
     if kind in _LIMITS:
-        return _LIMITS[kind].format(**about)
+        phrase, name = _LIMITS[kind]
+        limit = about[name]
+        return f"{phrase} {int(limit) if limit == int(limit) else limit:,}"
+    if kind == "too_long":
+        return f"at most {about['max_length']} items"
     if kind in ("literal_error", "enum"):
         words = [f"`{word}`" for word in _choices([detail])]
         return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"

@@ -20,9 +20,14 @@ Entropy = Annotated[
 ]
 Epsilon = Literal["free", "step"]
 Share = Annotated[float, BeforeValidator(to_number), Field(ge=0, le=1)]
-Positive = Annotated[float, BeforeValidator(to_number), Field(gt=0)]
-Count = Annotated[int, BeforeValidator(to_number), Field(gt=0)]
-Widths = Annotated[tuple[Count, ...], Field(min_length=1)]
+Rate = Annotated[float, BeforeValidator(to_number), Field(gt=0, le=1)]
+Steps = Annotated[int, BeforeValidator(to_number), Field(gt=0, le=1_000_000_000)]
+Delay = Annotated[int, BeforeValidator(to_number), Field(ge=0, le=1_000_000_000)]
+Rows = Annotated[int, BeforeValidator(to_number), Field(gt=0, le=100_000_000)]
+Batch = Annotated[int, BeforeValidator(to_number), Field(gt=0, le=65_536)]
+Width = Annotated[int, BeforeValidator(to_number), Field(gt=0, le=16_384)]
+Widths = Annotated[tuple[Width, ...], Field(min_length=1, max_length=16)]
+"""Limits are far beyond what learns: a slip of the finger is a finding, not a full memory."""
 
 
 class Settings(Model):
@@ -33,65 +38,100 @@ class Settings(Model):
 
     model_config = ConfigDict(json_schema_extra={"required": ["steps"]})
 
-    algorithm: Literal["tiloil", "cloning"] = Field(description="what is learned")
+    algorithm: Literal["tiloil", "cloning"] = Field(
+        description="what is learned (Algorithm 1); `cloning` stops where learning would begin"
+    )
     preset: Literal["default", "paper"] = Field(description="where unset settings come from")
     backbone: Literal["auto", "sac", "tabular"] = Field(
-        description="auto: tabular Q-learning on finite environments, SAC elsewhere"
+        description="`auto`: tabular on finite environments, SAC elsewhere (appendix H.2)"
     )
-    steps: Count = Field(description="environment steps, per seed")
-    seeds: Count = Field(le=1000, description="independent agents, trained together")
-    first_seed: Whole = Field(ge=0, description="the first agent's seed; the others count up")
-    checkpoint_every: Count = Field(description="environment steps between two checkpoints")
+    steps: Steps = Field(description="environment steps, per seed")
+    seeds: Whole = Field(gt=0, le=1000, description="independent agents, trained together")
+    first_seed: Whole = Field(
+        ge=0, le=2**31 - 1, description="the first agent's seed; the others count up"
+    )
+    checkpoint_every: Steps = Field(description="environment steps between two checkpoints")
 
-    beta: Number = Field(ge=0, description="weight of the discriminators in the reward (Eq. 8)")
-    segment: bool = Field(description="cut episodes at accepting states (section 3.1)")
-    stages: bool = Field(description="a reward for each stage (section 3.2), else one for all")
+    beta: Number = Field(
+        ge=0, description="weight of the discriminators in the reward, below 1/2 (Eq. 8, table 1)"
+    )
+    segment: bool = Field(description="cut episodes at accepting states (section 3.1, figure 4)")
+    stages: bool = Field(
+        description="a reward for each stage, else R = tanh f with one f (section 3.2, figure 4)"
+    )
     discriminator: Literal["separate", "shared"] = Field(
-        description="one network a stage, or one that is told the stage (appendix F.2)"
+        description="a network for each stage, or one that is told the stage (appendix F.2)"
     )
     accepting_target: Literal["constant", "live", "segment"] = Field(
-        description="the value target at accepting states: Eq. 4; one that rewards staying "
-        "accepting; or that of the state whose reading it shares, which begins the next segment"
+        description="the value target at accepting states: 1/(1−γ); one that rewards staying "
+        "accepting; or that of the state whose reading it shares, which begins the next segment "
+        "(Eq. 4)"
     )
     epsilon: Epsilon = Field(
         description="an ε-jump reads the letter and takes no time; or is a step of its own, in "
         "which the environment stands still and no letter is read (definition 2.3)"
     )
-    exact_entry: bool = Field(description="entering acceptance or a sink has its exact value")
+    exact_entry: bool = Field(
+        description="what enters acceptance or a sink has its exact value in targets (Eq. 4)"
+    )
     end_on_sink: bool = Field(description="stop an episode once acceptance is out of reach")
-    sink_reward: Number = Field(description="reward of each step in a sink")
-    gamma: Number = Field(gt=0, lt=1, description="discount")
+    sink_reward: Number = Field(ge=-1_000_000, le=0, description="reward of each step in a sink")
+    gamma: Number = Field(gt=0, le=0.99999, description="discount γ (Eq. 4, table 5)")
 
     demo_fraction: Share = Field(
-        description="share of demonstration states in a discriminator's positive batch"
+        description="share of demonstration states in a discriminator's positive batch "
+        "(Algorithm 1, line 17)"
     )
-    demo_replay: Share = Field(description="share of demonstration steps in a replay batch")
+    demo_replay: Share = Field(
+        description="share of demonstration steps in a replay batch; on tables, whether "
+        "demonstrated values are a floor"
+    )
     warm_start: Literal["none", "bc"] = Field(description="clone the demonstrations first")
-    warm_start_steps: Whole = Field(
-        ge=0, description="environment steps over which the cloning loss fades"
+    warm_start_steps: Delay = Field(
+        description="environment steps over which the cloning loss fades"
     )
 
-    batch_size: Count = Field(description="transitions in an update")
-    buffer_size: Count = Field(description="transitions kept, per seed")
-    stage_buffer_size: Count = Field(description="states kept for each stage, per seed")
-    learning_starts: Whole = Field(ge=0, description="random environment steps before learning")
-    updates_per_step: Positive = Field(description="updates for each environment step")
-    tau: Share = Field(description="step of the target network at each update")
-    actor_rate: Positive = Field(description="Adam's step size for the actor")
-    critic_rate: Positive = Field(description="Adam's step size for the critics")
-    discriminator_rate: Positive = Field(description="Adam's step size for the discriminators")
-    actor_hidden: Widths = Field(description="units of the actor's hidden layers")
-    critic_hidden: Widths = Field(description="units of the critics' hidden layers")
-    discriminator_hidden: Widths = Field(description="units of the discriminators' hidden layers")
-    discriminator_batch: Count = Field(description="positive and as many negative states")
+    batch_size: Batch = Field(description="transitions in an update (table 5)")
+    buffer_size: Rows = Field(description="transitions kept, per seed (table 5)")
+    stage_buffer_size: Rows = Field(
+        description="states kept for each stage, per seed (Algorithm 1, line 3)"
+    )
+    learning_starts: Delay = Field(description="random environment steps before learning (table 5)")
+    updates_per_step: Annotated[Number, Field(gt=0, le=100)] = Field(
+        description="updates for each environment step, whatever the number of copies"
+    )
+    tau: Rate = Field(description="step τ of the target network at each update (table 5)")
+    actor_rate: Rate = Field(description="Adam's step size for the actor (Eq. 5, table 5)")
+    critic_rate: Rate = Field(
+        description="Adam's step size for the critics and the temperature (Eq. 3, table 5)"
+    )
+    discriminator_rate: Rate = Field(
+        description="Adam's step size for the discriminators (Algorithm 1, line 19; table 5)"
+    )
+    actor_hidden: Widths = Field(description="units of the actor's hidden layers (appendix H.2)")
+    critic_hidden: Widths = Field(description="units of the critics' hidden layers (appendix H.2)")
+    discriminator_hidden: Widths = Field(
+        description="units of the discriminators' hidden layers (appendix H.2)"
+    )
+    discriminator_batch: Batch = Field(
+        description="positive and as many negative states (Algorithm 1, lines 17 and 18)"
+    )
     layer_norm: bool = Field(description="layer normalisation in the critics")
-    entropy: Entropy = Field(description="the temperature α, or `tuned` to the target entropy")
-    target_entropy: Number = Field(description="wanted entropy for each action dimension, in nats")
+    entropy: Entropy = Field(
+        description="the temperature α, fixed, or `tuned` to the target entropy; on tables 0 means "
+        "plain maxima (Eq. 4, Eq. 5, table 5)"
+    )
+    target_entropy: Number = Field(
+        ge=-100,
+        le=100,
+        description="wanted entropy for each action dimension, in nats; on tables a negative one "
+        "means α = 0",
+    )
 
-    learning_rate: Positive = Field(description="step size of tabular Q-learning", le=1)
+    learning_rate: Rate = Field(description="step size of tabular Q-learning (table 5)")
     exploration: Share = Field(description="share of random actions in tabular Q-learning")
     optimistic: Literal["auto"] | bool = Field(
-        description="tabular Q-learning begins with the greatest value; auto: if there are no "
+        description="tabular Q-learning begins with the greatest value; `auto`: if there are no "
         "demonstrations to follow"
     )
     relabel: bool = Field(
