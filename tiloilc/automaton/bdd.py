@@ -41,6 +41,7 @@ class Diagrams:
         self._support: dict[Node, int] = {FALSE: 0, TRUE: 0}
         self._first: dict[Node, int] = {TRUE: 0}
         self._tables: dict[tuple[int, ...], dict[Node, int]] = {}
+        self._covers: dict[tuple[Node, Node], tuple[Node, list[Literals]]] = {}
 
     def node(self, variable: int, low: Node, high: Node) -> Node:
         """`high` where `variable` is true, `low` where not; both must be below `variable`."""
@@ -222,7 +223,7 @@ class Diagrams:
         With `most`, which `f` implies, of some function between the two: what is in `most` only
         does not matter.
         """
-        memo: dict[tuple[Node, Node], tuple[Node, list[Literals]]] = {}
+        memo = self._covers
 
         def between(low: Node, up: Node) -> tuple[Node, list[Literals]]:
             """A function between `low` and `up`, and its cover."""
@@ -252,7 +253,7 @@ class Diagrams:
             )
             return memo[key]
 
-        return between(f, f if most is None else most)[1]
+        return list(between(f, f if most is None else most)[1])
 
     def _cofactors(self, f: Node, variable: int) -> tuple[Node, Node]:
         v, low, high = self._table[f]

@@ -16,7 +16,8 @@ Row = dict[tuple[int, bool], Node]
 
 @dataclass(frozen=True, slots=True)
 class Draft:
-    """States 0, 1, 2, …; `jumps[q]` are the targets of the ε-jumps of q. `names` go along.
+    """States 0, 1, 2, …; `jumps[q]` are the targets of the ε-jumps of q. `names` go along;
+    None is that of a state which does nothing but stay, and has its letters for a name.
 
     `steps[q]` is the step of a written chain, `G F (a & X F b)`, that q stands for, if any; states
     of different steps stay apart although their languages agree. Empty: the order is free.
@@ -25,7 +26,7 @@ class Draft:
     rows: tuple[Row, ...]
     jumps: tuple[tuple[int, ...], ...]
     initial: int
-    names: tuple[Callable[[], str], ...]
+    names: tuple[Callable[[], str] | None, ...]
     steps: tuple[Hashable, ...] = ()
 
     def targets(self, state: int) -> list[int]:
@@ -38,39 +39,39 @@ def components(graph: Sequence[Sequence[int]]) -> list[int]:
 
     Tarjan (1972), without recursion.
     """
-    number: dict[int, int] = {}
-    low: dict[int, int] = {}
+    number = [0] * len(graph)
+    low = [0] * len(graph)
     component = [-1] * len(graph)
     stack: list[int] = []
-    count = 0
+    count = met = 0
     for root in range(len(graph)):
-        if root in number:
+        if number[root]:
             continue
-        work = [(root, iter(graph[root]))]
-        number[root] = low[root] = len(number)
+        met += 1
+        number[root] = low[root] = met
         stack.append(root)
+        work = [(root, iter(graph[root]))]
         while work:
             node, successors = work[-1]
+            least = low[node]
             for target in successors:
-                if target not in number:
-                    number[target] = low[target] = len(number)
+                if not number[target]:
+                    met += 1
+                    number[target] = low[target] = met
                     stack.append(target)
                     work.append((target, iter(graph[target])))
                     break
-                if component[target] < 0:
-                    low[node] = min(low[node], number[target])
+                if component[target] < 0 and number[target] < least:
+                    least = number[target]
             else:
                 work.pop()
-                if work:
-                    parent = work[-1][0]
-                    low[parent] = min(low[parent], low[node])
-                if low[node] == number[node]:
-                    while True:
-                        member = stack.pop()
-                        component[member] = count
-                        if member == node:
-                            break
+                if work and least < low[work[-1][0]]:
+                    low[work[-1][0]] = least
+                if least == number[node]:
+                    while component[node] < 0:
+                        component[stack.pop()] = count
                     count += 1
+            low[node] = least
     return component
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
 from tiloilc.automaton.draft import Draft, Row, components, on_cycles
-from tiloilc.automaton.guards import as_diagram
+from tiloilc.automaton.guards import as_diagram, text_between
 from tiloilc.automaton.ldba import Cube, Edge, Ldba
 from tiloilc.automaton.limits import Budget
 from tiloilc.automaton.reduction.quotient import quotient
@@ -145,7 +145,7 @@ def _numbered(
             found.append(edge)
             if mark:
                 marked.add((edge.source, edge.target, edge.guard))
-    names = [draft.names[copy.state]() for copy in order]
+    names = [_name(draft, copy.state, propositions, diagrams) for copy in order]
     complete = all(edge.target != sink for edge in found)
     if not complete:
         found.append(Edge(sink, sink, (Cube(0, 0),)))
@@ -162,6 +162,16 @@ def _numbered(
             i for i, e in enumerate(found) if (e.source, e.target, e.guard) in marked
         ),
     )
+
+
+def _name(draft: Draft, state: int, propositions: Sequence[str], diagrams: Diagrams) -> str:
+    """The name of `state`; one that does nothing but stay is called `G a` after its letters."""
+    name = draft.names[state]
+    if name is not None:
+        return name()
+    guard = next(iter(draft.rows[state].values()))
+    text = text_between(diagrams, guard, guard, propositions)
+    return f"G ({text})" if " " in text else f"G {text}"
 
 
 def _empty(propositions: tuple[str, ...]) -> Ldba:

@@ -12,19 +12,22 @@ agent takes that jump when it has come to C.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 from tiloilc.automaton.bdd import Diagrams
-from tiloilc.automaton.draft import Draft, components, on_cycles, reachable
+from tiloilc.automaton.draft import Draft, components, on_cycles, reachable, reversed_graph
 from tiloilc.automaton.reduction.inclusion import MAX_PAIRS, Inclusion
 from tiloilc.automaton.reduction.jumps import waiting_states
 from tiloilc.automaton.reduction.letters import moves
 
 
 def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
-    """Drop jumps one after the other: those into the most states first, the built ones last."""
+    """Drop jumps one after the other: those into the most states first, the built ones last.
+
+    Before, jumps are added that change nothing, so that others can go.
+    """
     if not any(draft.jumps):
         return draft
     following = Following.of(draft, diagrams)
@@ -51,11 +54,15 @@ def drop_jumps(draft: Draft, diagrams: Diagrams) -> Draft:
 def _add_jumps(following: Following, draft: Draft) -> None:
     """Add the jumps between states on cycles that change nothing, so that others can go."""
     _, looping = on_cycles(draft)
-    for q in sorted(following.waiting):
-        if looping[q]:
-            own = following.jumps[q]
-            more = [t for t in following.ahead if looping[t] and t not in own]
-            following.jumps[q] = sorted([*own, *(t for t in more if following.follows(q, t))])
+    pairs = [
+        (q, t)
+        for q in sorted(following.waiting)
+        for t in following.ahead
+        if looping[q] and looping[t] and t not in following.jumps[q]
+    ]
+    for (q, t), changes_nothing in zip(pairs, following.followed(pairs), strict=True):
+        if changes_nothing:
+            following.jumps[q] = sorted([*following.jumps[q], t])
 
 
 def can_wait(draft: Draft, diagrams: Diagrams) -> bool:
@@ -65,9 +72,12 @@ def can_wait(draft: Draft, diagrams: Diagrams) -> bool:
     would take too long to find out.
     """
     following = Following.of(draft, diagrams)
-    return following is None or all(
-        following.follows(q, t, missed=True) for q, row in enumerate(draft.jumps) for t in row
-    )
+    jumps = [(q, t) for q, row in enumerate(draft.jumps) for t in row]
+    return following is None or all(following.followed(jumps, missed=True))
+
+
+NOWHERE = -1
+"""Where a state leads on letters that it has no edge for."""
 
 
 class _Edge(NamedTuple):
@@ -95,81 +105,123 @@ class Following:
         self._moves = moves(draft, diagrams) or []
         self._budget = diagrams.budget
         self._inclusion = inclusion
+        self._common: dict[tuple[int, int], list[tuple[int, int, bool, int]]] = {}
 
     @classmethod
-    def of(cls, draft: Draft, diagrams: Diagrams) -> Following | None:
-        """For `draft`; None if it has no jumps, or too much to compare."""
+    def of(
+        cls,
+        draft: Draft,
+        diagrams: Diagrams,
+        followed: Collection[int] | None = None,
+        taken: Collection[int] | None = None,
+    ) -> Following | None:
+        """For `draft`; None if it has no jumps, or too much to compare.
+
+        Of the deterministic states, only runs of `followed` can be asked for, and only `taken` be
+        reached by jumps and otherwise, if given.
+        """
         waiting = waiting_states(draft)
         ahead = [q for q in range(len(draft.rows)) if q not in waiting]
-        pairs = [(t, u) for t in ahead for u in ahead if t != u]
+        left = [t for t in ahead if followed is None or t in followed]
+        right = [u for u in ahead if taken is None or u in taken]
+        pairs = [(t, u) for t in left for u in right if t != u]
         if not waiting or len(pairs) > MAX_PAIRS:
             return None
         inclusion = Inclusion(draft, diagrams, pairs)
         return cls(draft, diagrams, inclusion, waiting, ahead) if inclusion.complete else None
 
-    def follows(self, waiting: int, state: int, missed: bool = False) -> bool:
-        """Whether an agent in `waiting` gets all that it would get in `state`.
+    def follows(self, waiting: int, state: int) -> bool:
+        """Whether an agent in `waiting` gets all that it would get in `state`."""
+        return all(self.followed([(waiting, state)]))
+
+    def followed(self, pairs: Sequence[tuple[int, int]], missed: bool = False) -> list[bool]:
+        """Whether an agent in `waiting` gets all that it would get in `state`, for each pair.
 
         `missed`: it reads a letter before it may jump.
         """
-        pairs = [(waiting, state)]
-        index = {} if missed else {(waiting, state): 0}
+        nodes = list(pairs)
+        index = {} if missed else {pair: n for n, pair in enumerate(nodes)}
         graph: list[list[_Edge]] = []
-        for q, t in pairs:
+        lost: set[int] = set()
+        for n, (q, t) in enumerate(nodes):
             edges: list[_Edge] = []
             graph.append(edges)
-            waits = missed and len(graph) == 1
+            waits = missed and n < len(pairs)
             if not waits and any(self._covers(u, t) for u in self.jumps[q]):
                 continue
             for following, after, mark, letters in self._steps(q, t):
-                if following is None:
-                    return False
-                if following not in self.waiting:
-                    if not self._covers(following, after):
-                        return False
-                    continue
-                pair = (following, after)
-                if pair not in index:
-                    index[pair] = len(pairs)
-                    pairs.append(pair)
-                edges.append(_Edge(index[pair], mark, letters))
-        return self._finds_jumps(pairs, graph)
+                if following in self.waiting:
+                    pair = (following, after)
+                    if pair not in index:
+                        index[pair] = len(nodes)
+                        nodes.append(pair)
+                    edges.append(_Edge(index[pair], mark, letters))
+                elif following == NOWHERE or not self._covers(following, after):
+                    lost.add(n)
+        for piece in _marked_pieces(graph, range(len(nodes))):
+            if not self._has_jumps(nodes, graph, piece):
+                lost |= piece
+        lost = reachable(reversed_graph([[e.target for e in edges] for edges in graph]), lost)
+        return [n not in lost for n in range(len(pairs))]
 
     def _covers(self, right: int, left: int) -> bool:
         return left == right or self._inclusion.holds(left, right)
 
-    def _steps(self, q: int, t: int) -> list[tuple[int | None, int, bool, int]]:
-        steps: list[tuple[int | None, int, bool, int]] = []
-        for after, mark, letters in self._moves[t]:
-            self._budget.tick()
-            missing = letters
-            for following, _, others in self._moves[q]:
-                if letters & others:
-                    steps.append((following, after, mark, letters & others))
-                    missing &= ~others
-            if missing:
-                steps.append((None, after, mark, missing))
+    def _steps(self, q: int, t: int) -> list[tuple[int, int, bool, int]]:
+        """Where q and t lead on the same letters, whether t accepts there, and the letters."""
+        steps = self._common.get((q, t))
+        if steps is None:
+            steps = self._common[q, t] = []
+            for after, mark, letters in self._moves[t]:
+                self._budget.tick()
+                missing = letters
+                for following, _, others in self._moves[q]:
+                    if letters & others:
+                        steps.append((following, after, mark, letters & others))
+                        missing &= ~others
+                if missing:
+                    steps.append((NOWHERE, after, mark, missing))
         return steps
 
-    def _finds_jumps(self, pairs: Sequence[tuple[int, int]], graph: list[list[_Edge]]) -> bool:
-        """Whether every strongly connected piece with a mark has a pair with a jump to take."""
-        work = [set(range(len(pairs)))]
+    def _has_jumps(
+        self, nodes: Sequence[tuple[int, int]], graph: list[list[_Edge]], piece: set[int]
+    ) -> bool:
+        """Whether every strongly connected part of `piece` with a mark has a jump to take.
+
+        Some jump at a node does for all parts with that node, but for those that stay where its
+        run finds no marks; these need another one.
+        """
+        work = [piece]
         while work:
-            for piece in _marked_pieces(graph, work.pop()):
-                good = {
-                    n
-                    for n in piece
-                    if any(
-                        self._accepts_inside(graph, piece, n, u) for u in self.jumps[pairs[n][0]]
-                    )
-                }
-                if not good:
-                    return False
-                work.append(piece - good)
+            part = work.pop()
+            best: tuple[int, set[int], list[set[int]]] | None = None
+            good = set()
+            for n in sorted(part):
+                for u in self.jumps[nodes[n][0]]:
+                    missed = self._missed_inside(graph, part, n, u)
+                    if missed is None or any(len(place) == len(part) for place in missed):
+                        continue
+                    size = sum(map(len, missed))
+                    if not missed:
+                        good.add(n)
+                        break
+                    if best is None or size < best[0]:
+                        best = size, {n}, missed
+            if good:
+                best = 0, good, []
+            if best is None:
+                return False
+            for nodes_left in (part - best[1], *best[2]):
+                work += _marked_pieces(graph, nodes_left)
         return True
 
-    def _accepts_inside(self, graph: list[list[_Edge]], piece: set[int], n: int, u: int) -> bool:
-        """Whether `u` accepts what the marks on the edges of `piece`, taken from `n` on, accept."""
+    def _missed_inside(
+        self, graph: list[list[_Edge]], piece: set[int], n: int, u: int
+    ) -> list[set[int]] | None:
+        """Where in `piece`, taken from `n` on, marks on the edges come without marks of `u`.
+
+        The nodes of each such place; None if a letter ends the run of u.
+        """
         index = {(n, u): 0}
         work = [(n, u)]
         product: list[list[tuple[int, bool, bool]]] = []
@@ -190,17 +242,19 @@ class Following:
                         work.append(pair)
                     edges.append((index[pair], edge.mark, mark))
                 if missing:
-                    return False
+                    return None
             product.append(edges)
+        alone = [
+            (q, t) for q, edges in enumerate(product) for t, left, right in edges if left > right
+        ]
+        if not alone:
+            return []
         quiet = components([[t for t, _, mark in edges if not mark] for edges in product])
-        return not any(
-            left and not right and quiet[q] == quiet[t]
-            for q, edges in enumerate(product)
-            for t, left, right in edges
-        )
+        missed = {quiet[q] for q, t in alone if quiet[q] == quiet[t]}
+        return [{work[q][0] for q, c in enumerate(quiet) if c == place} for place in sorted(missed)]
 
 
-def _marked_pieces(graph: list[list[_Edge]], kept: set[int]) -> list[set[int]]:
+def _marked_pieces(graph: list[list[_Edge]], kept: Collection[int]) -> list[set[int]]:
     """The strongly connected pieces of `graph` on the nodes `kept` with a marked edge inside."""
     component = components(
         [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache, partial
 
 from tiloilc.automaton.bdd import Diagrams
@@ -10,7 +9,7 @@ from tiloilc.automaton.draft import Draft, on_cycles
 from tiloilc.automaton.reduction.follow import Following
 from tiloilc.automaton.reduction.inclusion import MAX_PAIRS, Inclusion
 from tiloilc.automaton.reduction.jumps import waiting_states
-from tiloilc.automaton.reduction.quotient import merged_row
+from tiloilc.automaton.reduction.quotient import redirect
 
 
 def merge_by_language(draft: Draft, diagrams: Diagrams) -> Draft:
@@ -40,21 +39,10 @@ def merge_by_language(draft: Draft, diagrams: Diagrams) -> Draft:
         return t in draft.jumps[q] or (follower is not None and follower.follows(q, t))
 
     for q in block:
-        same = [
-            t
-            for t in fixed
-            if (q, t) in known
-            and component[t] < component[q]
-            and inclusion.holds(q, t)
-            and covers(q, t)
-        ]
-        if same:
-            block[q] = min(same, key=lambda t: (component[t], not looping[t], t))
+        further = [t for t in fixed if (q, t) in known and component[t] < component[q]]
+        further.sort(key=lambda t: (component[t], not looping[t], t))
+        same = (t for t in further if inclusion.holds(q, t) and covers(q, t))
+        block[q] = next(same, q)
     if block == list(range(len(block))):
         return draft
-    return replace(
-        draft,
-        rows=tuple(merged_row(row, block, diagrams) for row in draft.rows),
-        jumps=tuple(tuple(sorted({block[t] for t in targets})) for targets in draft.jumps),
-        initial=block[draft.initial],
-    )
+    return redirect(draft, block, diagrams)

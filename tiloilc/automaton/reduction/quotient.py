@@ -50,3 +50,13 @@ def merged_row(row: Row, block: Sequence[int], diagrams: Diagrams) -> Row:
         key = (block[target], mark)
         new[key] = diagrams.disj(new.get(key, FALSE), guard)
     return new
+
+
+def redirect(draft: Draft, lead: Sequence[int], diagrams: Diagrams) -> Draft:
+    """`draft` where `lead[q]` is entered in place of q, by edges, by jumps and at the start."""
+    return replace(
+        draft,
+        rows=tuple(merged_row(row, lead, diagrams) for row in draft.rows),
+        jumps=tuple(tuple(sorted({lead[t] for t in targets})) for targets in draft.jumps),
+        initial=lead[draft.initial],
+    )

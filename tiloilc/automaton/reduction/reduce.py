@@ -7,10 +7,12 @@ from itertools import cycle, islice
 
 from tiloilc.automaton.bdd import Diagrams
 from tiloilc.automaton.draft import Draft
+from tiloilc.automaton.reduction.exits import cut_exits
 from tiloilc.automaton.reduction.follow import drop_jumps
 from tiloilc.automaton.reduction.jumps import delay_jumps
 from tiloilc.automaton.reduction.merge import merge_by_language
 from tiloilc.automaton.reduction.quotient import quotient
+from tiloilc.automaton.reduction.stay import accept_waiting
 from tiloilc.automaton.reduction.trial import merge_by_trial
 from tiloilc.automaton.reduction.trim import trim
 
@@ -29,6 +31,9 @@ PASSES: tuple[Pass, ...] = (
     trim,
     merge_by_trial,
     trim,
+    accept_waiting,
+    trim,
+    cut_exits,
 )
 """In this order, again and again while they shrink the automaton."""
 
@@ -39,7 +44,7 @@ def reduce(draft: Draft, diagrams: Diagrams) -> Draft:
     for step in islice(cycle(PASSES), MAX_ROUNDS * len(PASSES)):
         draft = step(draft, diagrams)
         before, size = size, _size(draft)
-        idle = idle + 1 if size == before else 0
+        idle = idle + 1 if size == before else 1
         if idle == len(PASSES):
             break
     return draft

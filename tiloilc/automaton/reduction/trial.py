@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from tiloilc.automaton.bdd import Diagrams
 from tiloilc.automaton.draft import Draft, components, on_cycles
 from tiloilc.automaton.reduction.inclusion import Inclusion
 from tiloilc.automaton.reduction.jumps import waiting_states
 from tiloilc.automaton.reduction.letters import moves
-from tiloilc.automaton.reduction.quotient import merged_row
+from tiloilc.automaton.reduction.quotient import redirect
 
 MAX_STATES = 100
 """Deterministic states to try: beyond, trials cost more than they save."""
@@ -54,12 +53,7 @@ def merge_by_trial(draft: Draft, diagrams: Diagrams) -> Draft:
                 lead = led
     if lead == list(range(len(lead))):
         return draft
-    return replace(
-        draft,
-        rows=tuple(merged_row(row, lead, diagrams) for row in draft.rows),
-        jumps=tuple(tuple(sorted({lead[t] for t in targets})) for targets in draft.jumps),
-        initial=lead[draft.initial],
-    )
+    return redirect(draft, lead, diagrams)
 
 
 def _likeness(draft: Draft, p: int, q: int) -> int:
@@ -114,9 +108,10 @@ class _Trial:
 
 def _one_sided(graph: Sequence[Sequence[tuple[int, bool, bool]]], side: int) -> bool:
     """Whether some cycle has marks of the other side and none of `side`."""
+    alone = [
+        (q, e[0]) for q, edges in enumerate(graph) for e in edges if e[3 - side] and not e[side]
+    ]
+    if not alone:
+        return False
     quiet = components([[e[0] for e in edges if not e[side]] for edges in graph])
-    return any(
-        e[3 - side] and not e[side] and quiet[q] == quiet[e[0]]
-        for q, edges in enumerate(graph)
-        for e in edges
-    )
+    return any(quiet[q] == quiet[target] for q, target in alone)
