@@ -124,3 +124,14 @@ def keep(draft: Draft, kept: set[int]) -> Draft:
         names=tuple(draft.names[q] for q in new),
         steps=tuple(draft.steps[q] for q in new if draft.steps),
     )
+
+
+def with_copies(draft: Draft, states: Sequence[int], rows: Sequence[Row]) -> Draft:
+    """`draft` with copies of `states` behind it, which have the edges `rows` and no jumps."""
+    return replace(
+        draft,
+        rows=(*draft.rows, *rows),
+        jumps=(*draft.jumps, *((),) * len(states)),
+        names=(*draft.names, *(draft.names[q] for q in states)),
+        steps=(*draft.steps, *(draft.steps[q] for q in states if draft.steps)),
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tiloilc.automaton.bdd import Diagrams
-from tiloilc.automaton.draft import Draft, Row, reachable
+from tiloilc.automaton.draft import Draft, Row, reachable, with_copies
 from tiloilc.automaton.reduction.follow import Following
 from tiloilc.automaton.reduction.trim import trim
 
@@ -35,15 +35,11 @@ def cut_exits(draft: Draft, diagrams: Diagrams) -> Draft:
         rows.append(
             {(copy.get(t, t), m): guard for (t, m), guard in edges if q not in cut or t == q}
         )
+    both = with_copies(draft, ahead, rows)
     both = replace(
-        draft,
-        rows=(*draft.rows, *rows),
-        jumps=(
-            *(tuple(copy.get(t, t) for t in targets) for targets in draft.jumps),
-            *((),) * len(rows),
-        ),
+        both,
+        jumps=tuple(tuple(copy.get(t, t) for t in targets) for targets in both.jumps),
         names=(*draft.names, *(None if q in cut else draft.names[q] for q in ahead)),
-        steps=(*draft.steps, *(draft.steps[q] for q in ahead if draft.steps)),
     )
     taken = [u for u in range(len(both.rows)) if u >= count or u in plain]
     following = Following.of(both, diagrams, followed=range(count), taken=taken)

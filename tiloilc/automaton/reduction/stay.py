@@ -6,11 +6,10 @@ that stays there is accepted, nobody has to guess anything: the edges are marked
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
-from dataclasses import replace
+from collections.abc import Mapping, Sequence, Set
 
 from tiloilc.automaton.bdd import FALSE, Diagrams
-from tiloilc.automaton.draft import Draft, Row, components
+from tiloilc.automaton.draft import Draft, Row, components, with_copies
 from tiloilc.automaton.reduction.follow import Following
 from tiloilc.automaton.reduction.inclusion import Inclusion
 from tiloilc.automaton.reduction.jumps import waiting_states
@@ -32,46 +31,39 @@ def accept_waiting(draft: Draft, diagrams: Diagrams) -> Draft:
         return draft
     component = components([[t for t, _ in row] for row in draft.rows])
     marked = {component[q] for q in waiting}
-    pairs = [(q, len(draft.rows) + i) for i, q in enumerate(waiting)]
+    count = len(draft.rows)
+    pairs = [(q, count + i) for i, q in enumerate(waiting)]
     while True:
-        both = _with_copies(draft, waiting, component, marked, diagrams)
-        following = Following.of(both, diagrams, taken=range(len(draft.rows)))
+        rows = _accepting_rows(draft, dict(pairs), component, marked, diagrams)
+        both = with_copies(draft, waiting, rows)
+        following = Following.of(both, diagrams, taken=range(count))
         if following is None:
             return draft
-        good = [pair for pair, ok in zip(pairs, following.followed(pairs), strict=True) if ok]
-        too_much = marked - {component[q] for q, _ in good}
-        too_much |= {component[q] for q, t in pairs if (q, t) not in good} & marked
+        good = dict(zip(waiting, following.followed(pairs), strict=True))
+        too_much = {component[q] for q in waiting if not good[q]} & marked
         if not too_much:
             break
         marked -= too_much
     inclusion = Inclusion(both, diagrams, pairs)
-    lead = list(range(len(both.rows)))
-    for q, copy in good:
-        if inclusion.holds(q, copy):
-            lead[q] = copy
-    return redirect(both, lead, diagrams) if lead != sorted(lead) else draft
+    same = {q: copy for q, copy in pairs if good[q] and inclusion.holds(q, copy)}
+    if not same:
+        return draft
+    return redirect(both, [same.get(q, q) for q in range(len(both.rows))], diagrams)
 
 
-def _with_copies(
+def _accepting_rows(
     draft: Draft,
-    waiting: Sequence[int],
+    copy: Mapping[int, int],
     component: Sequence[int],
     marked: Set[int],
     diagrams: Diagrams,
-) -> Draft:
-    """`draft` with a copy of each of `waiting` behind it, in their order, and no jumps there."""
-    copy = {q: len(draft.rows) + i for i, q in enumerate(waiting)}
+) -> list[Row]:
+    """The edges of the copies, with marks within the components `marked`."""
     rows: list[Row] = []
-    for q in waiting:
+    for q in copy:
         row: Row = {}
         for (t, _), guard in draft.rows[q].items():
             key = (copy.get(t, t), component[t] == component[q] and component[q] in marked)
             row[key] = diagrams.disj(row.get(key, FALSE), guard)
         rows.append(row)
-    return replace(
-        draft,
-        rows=(*draft.rows, *rows),
-        jumps=(*draft.jumps, *((),) * len(rows)),
-        names=(*draft.names, *(draft.names[q] for q in waiting)),
-        steps=(*draft.steps, *(draft.steps[q] for q in waiting if draft.steps)),
-    )
+    return rows
