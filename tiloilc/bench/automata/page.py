@@ -110,7 +110,7 @@ def _times(literature: Sequence[Row], paper: Sequence[Row], runs: int) -> str:
             lines.append([name, len(rows), *(f"{ms:.1f}" for ms in numbers)])
     text = (
         "## Times\n\n"
-        "Milliseconds for one translation with marked edges, in one warm process on one core:\n"
+        "Milliseconds of processor time for one translation with marked edges, in a warm process:\n"
         f"the median of {runs} for each formula. Measured on {machine()}.\n\n"
     )
     return text + table(("formulas", "number", "median", "99 %", "longest"), lines)
