@@ -127,25 +127,49 @@ def test_targets_are_equation_4_with_the_soft_value_of_the_next_state() -> None:
     state = agent.generator.get_state()
     found = agent.targets(batch)
     agent.generator.set_state(state)
-    k = batch.options.shape[-1]
-    x = agent.encode(
-        batch.next_observation.repeat_interleave(k, dim=1), batch.options.reshape(2, -1)
-    )
+    options = agent.options[batch.state, batch.letter]
+    k = options.shape[-1]
+    x = agent.encode(batch.next_observation.repeat_interleave(k, dim=1), options.reshape(2, -1))
     soft = agent.sac.soft_value(x).view(2, 40, k)
     bonus = agent.discriminators.bonus(batch.observation, batch.state)
     reward = stage_reward(agent.table, batch.state, bonus, agent.settings)
     expected = tiloil_target(
-        agent.table, batch.state, reward, batch.options, soft, batch.terminal, agent.settings
+        agent.table, batch.state, reward, options, soft, batch.terminal, agent.settings
     )
     assert torch.allclose(found, expected)
 
 
-def test_options_in_the_replay_are_those_of_the_label_arrived_in() -> None:
-    loop, agent = learner(until=50)
+def test_letters_in_the_replay_are_those_of_the_state_arrived_in() -> None:
+    _, agent = learner(until=50)
     batch = agent.layout.unpack(agent.replay.rows[:, :50])
     letters = LABELS(batch.next_observation.reshape(-1, 2).numpy()).reshape(2, 50)
-    expected = loop.walk.options[batch.state.numpy(), letters]
-    assert np.array_equal(batch.options.numpy(), expected)
+    assert np.array_equal(batch.letter.numpy(), letters)
+
+
+def test_relabelled_steps_are_read_from_every_live_state_and_demonstrations_as_they_went() -> None:
+    made = plan(chain(["near", "far"]), "TestsDrift-v0", batch_size=4000, demo_replay=0.25)
+    loop = make_loop(made, demos(PATH), LABELS)
+    list(loop.run(61))
+    agent = loop.agent
+    assert isinstance(agent, SacAgent)
+    batch, shown = agent._batch()
+    assert agent.demo_rows is not None
+    went = set(agent.layout.unpack(agent.demo_rows).state.unique().tolist())
+    assert set(batch.state[:, :shown].unique().tolist()) <= went
+    share = batch.state[:, shown:].flatten().bincount(minlength=3) / (2 * (4000 - shown))
+    sink = loop.walk.sink
+    live = [b for b in range(loop.walk.states) if b != sink and int(agent.table.code[b]) == b]
+    assert min(share[live]) > 0.4 / len(live)
+    letters = LABELS(batch.next_observation.reshape(-1, 2).numpy()).reshape(2, -1)
+    assert np.array_equal(batch.letter.numpy(), letters)
+
+
+def test_without_relabelling_steps_stay_in_the_states_they_were_made_in() -> None:
+    _, agent = learner(until=61, relabel=False, demo_replay=0)
+    made = {(*row[:2], row[-3]) for seed in agent.replay.rows[:, :61].tolist() for row in seed}
+    batch, _ = agent._batch()
+    seen = torch.cat([batch.observation, batch.state[..., None]], dim=-1)
+    assert {tuple(row) for seed in seen.tolist() for row in seed} <= made
 
 
 # options
@@ -189,9 +213,7 @@ def test_demonstrations_go_through_the_automaton_their_first_label_included() ->
     assert batch.observation.shape == (2, 7 + 4, 2)
     assert not batch.terminal.any()  # a demonstration that stops has not ended
     letters = LABELS(batch.next_observation[0].numpy())
-    assert np.array_equal(
-        batch.options[0].numpy(), walk_tables(STAY).options[batch.state[0].numpy(), letters]
-    )
+    assert np.array_equal(batch.letter[0].numpy(), letters)
 
 
 def test_the_first_label_of_a_demonstration_is_read() -> None:

@@ -19,12 +19,12 @@ def held(replay: Replay) -> list[list[float]]:
 
 def test_what_is_packed_is_unpacked() -> None:
     rng = np.random.default_rng(0)
-    layout = Layout(observation=3, action=2, options=4)
+    layout = Layout(observation=3, action=2)
     seen, after = rng.normal(size=(2, 5, 6, 3)).astype(np.float32)
     action = rng.normal(size=(5, 6, 2)).astype(np.float32)
-    state, options = rng.integers(9, size=(5, 6)), rng.integers(9, size=(5, 6, 4))
+    state, letter = rng.integers(9, size=(2, 5, 6))
     terminal = rng.random((5, 6)) < 0.5
-    packed = layout.pack(seen, action, after, state, options, terminal)
+    packed = layout.pack(seen, action, after, state, letter, terminal)
     assert packed.shape == (5, 6, layout.width)
     batch = layout.unpack(torch.from_numpy(packed))
     for name, expected in {
@@ -32,7 +32,7 @@ def test_what_is_packed_is_unpacked() -> None:
         "action": action,
         "next_observation": after,
         "state": state,
-        "options": options,
+        "letter": letter,
         "terminal": terminal,
     }.items():
         assert np.array_equal(getattr(batch, name).numpy(), expected), name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
     from gymnasium.spaces import Box, Space
 
 
+RELABELLED = 0.5
+"""How many steps of a batch are read from an automaton state drawn at random, with `relabel`."""
+
+
 class SacAgent:
     """Everything that learns, for all seeds at once. Arrays are [seed, copy, …]."""
 
@@ -45,7 +50,10 @@ class SacAgent:
         self.action_shape = action_space.shape
         self.table = StageTable.of(stages, walk, settings)
         self.middle, self.half = _scale(observation_space, shown)
-        self.layout = Layout(d, m, walk.width)
+        self.layout = Layout(d, m)
+        self.options = torch.from_numpy(walk.options)
+        live = [b for b in range(walk.states) if b != walk.sink]
+        self.live = self.table.code[live].unique()
         capacity = min(settings.buffer_size, settings.steps)
         self.replay = Replay(settings.seeds, capacity, self.layout.width)
         self.buffers = StageBuffers(
@@ -111,8 +119,7 @@ class SacAgent:
         """Store one transition of each copy; all [seed, copy, …]."""
         flat = action.reshape(*state.shape, -1)
         scaled = 2 * (flat - self.low) / (self.high - self.low) - 1
-        options = self.walk.options[state, letter]
-        self.replay.add(self.layout.pack(observation, scaled, after, state, options, terminal))
+        self.replay.add(self.layout.pack(observation, scaled, after, state, letter, terminal))
         self.discriminators.norm.update(torch.from_numpy(after))
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
@@ -158,7 +165,7 @@ class SacAgent:
             action,
             after,
             torch.from_numpy(shown.state)[:, None].expand(seeds, -1, -1),
-            torch.from_numpy(self.walk.options[shown.state, shown.letter]).expand(seeds, -1, -1),
+            torch.from_numpy(shown.letter)[:, None].expand(seeds, -1, -1),
             torch.zeros(seeds, len(shown.state), 1),
         ]
         return torch.cat([c.float() for c in columns], dim=-1)
@@ -188,18 +195,28 @@ class SacAgent:
             at = torch.randint(count, (s.seeds, shown, 1), generator=self.generator)
             drawn = self.demo_rows.gather(1, at.expand(-1, -1, self.demo_rows.shape[2]))
             rows = torch.cat([drawn, rows], dim=1)
-        return self.layout.unpack(rows), shown
+        batch = self.layout.unpack(rows)
+        return (self._relabelled(batch, shown) if s.relabel else batch), shown
+
+    def _relabelled(self, batch: Batch, shown: int) -> Batch:
+        """The batch with RELABELLED of the agent's own steps read from any live state instead."""
+        shape = batch.state.shape
+        drawn = torch.randint(len(self.live), shape, generator=self.generator)
+        kept = torch.rand(shape, generator=self.generator) >= RELABELLED
+        kept[:, :shown] = True
+        return replace(batch, state=torch.where(kept, batch.state, self.live[drawn]))
 
     def targets(self, batch: Batch) -> Tensor:
         """Eq. 4 with the rewards of today's discriminators, [seed, n]."""
         reward = self._reward(batch.observation, batch.state)
-        value = self._option_values(batch.next_observation, batch.options, greedy=False)
-        wait = self._wait(batch.next_observation, batch.options)
+        options = self.options[batch.state, batch.letter]
+        value = self._option_values(batch.next_observation, options, greedy=False)
+        wait = self._wait(batch.next_observation, options)
         return tiloil_target(
             self.table,
             batch.state,
             reward,
-            batch.options,
+            options,
             value,
             batch.terminal,
             self.settings,

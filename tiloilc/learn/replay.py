@@ -17,15 +17,15 @@ from tiloilc.learn.state import State
 class Batch:
     """Transitions of the product; each with leading axes [seed, n].
 
-    `state` is b, before the step; `options` [seed, n, K] are the automaton states that could be
-    chosen on arrival in `next_observation`; `terminal` marks an environment's own end.
+    `state` is b, before the step; `letter` is that of `next_observation`, so that the step can be
+    read from any other automaton state as well; `terminal` marks an environment's own end.
     """
 
     observation: Tensor
     action: Tensor
     next_observation: Tensor
     state: Tensor
-    options: Tensor
+    letter: Tensor
     terminal: Tensor
 
 
@@ -35,12 +35,11 @@ class Layout:
 
     observation: int
     action: int
-    options: int
 
     @property
     def width(self) -> int:
         """Columns of a row."""
-        return 2 * self.observation + self.action + 2 + self.options
+        return 2 * self.observation + self.action + 3
 
     def pack(
         self,
@@ -48,12 +47,13 @@ class Layout:
         action: NDArray[np.float32],
         after: NDArray[np.float32],
         state: NDArray[np.int64],
-        options: NDArray[np.int64],
+        letter: NDArray[np.int64],
         terminal: NDArray[np.bool_],
     ) -> NDArray[np.float32]:
         """Rows [seed, n, width] of transitions with leading axes [seed, n]."""
         rows = np.empty((*state.shape, self.width), dtype=np.float32)
-        parts = (observation, action, after, state[..., None], options, terminal[..., None])
+        columns = (state[..., None], letter[..., None], terminal[..., None])
+        parts = (observation, action, after, *columns)
         start = 0
         for part in parts:
             rows[..., start : start + part.shape[-1]] = part
@@ -62,16 +62,14 @@ class Layout:
 
     def unpack(self, rows: Tensor) -> Batch:
         """The parts of rows [seed, n, width]."""
-        d, m, k = self.observation, self.action, self.options
-        observation, action, after, state, options, terminal = rows.split(
-            [d, m, d, 1, k, 1], dim=-1
-        )
+        d, m = self.observation, self.action
+        observation, action, after, state, letter, terminal = rows.split([d, m, d, 1, 1, 1], dim=-1)
         return Batch(
             observation,
             action,
             after,
             state.squeeze(-1).long(),
-            options.long(),
+            letter.squeeze(-1).long(),
             terminal.squeeze(-1) > 0,
         )
 
