@@ -175,6 +175,9 @@ class SacAgent:
 
         `progress` counts environment steps since learning began.
         """
+        s = self.settings
+        gone = progress / max(s.steps - s.learning_starts, 1)
+        self.sac.slow(1 - (1 - s.final_rate) * gone)
         losses = {}
         if self.judges:
             losses["discriminator"] = self.discriminators.update()

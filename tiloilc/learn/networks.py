@@ -177,7 +177,8 @@ class Adam:
     """Adam (Kingma and Ba 2015) on all parameters of a stack at once, in torch's fused form."""
 
     def __init__(self, flat: Tensor, gradient: Tensor, rate: float) -> None:
-        self.flat, self.gradient, self.rate = flat, gradient, rate
+        self.flat, self.gradient = flat, gradient
+        self.first_rate, self.rate = rate, torch.tensor(rate)
         self.mean, self.square = torch.zeros_like(flat), torch.zeros_like(flat)
         self.steps = torch.zeros((), device=flat.device)
 
@@ -199,6 +200,10 @@ class Adam:
             amsgrad=False,
             maximize=False,
         )
+
+    def slow(self, share: float) -> None:
+        """From now on step by `share` of the first step size."""
+        self.rate.fill_(self.first_rate * share)
 
     def reset(self) -> None:
         """Forget all momentum: for the moment when a loss changes its meaning."""

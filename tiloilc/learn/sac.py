@@ -80,6 +80,11 @@ class SoftActorCritic:
         for adam in (self.actor_adam, self.critic_adam, self.alpha_adam):
             adam.reset()
 
+    def slow(self, share: float) -> None:
+        """Let actor and critics step by `share` of their first step sizes."""
+        for adam in (self.actor_adam, self.critic_adam):
+            adam.slow(share)
+
     def mean_action(self, x: Tensor) -> Tensor:
         """The greedy action, [seed, n, m]."""
         return torch.tanh(self.actor(x)[..., : self.actions])

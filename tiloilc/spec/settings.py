@@ -105,6 +105,10 @@ class Settings(Model):
     critic_rate: Rate = Field(
         description="Adam's step size for the critics and the temperature (Eq. 3, table 5)"
     )
+    final_rate: Share = Field(
+        description="share of the actor's and the critics' step sizes that is left at the last "
+        "step; they fall linearly"
+    )
     discriminator_rate: Rate = Field(
         description="Adam's step size for the discriminators (Algorithm 1, line 19; table 5)"
     )
@@ -135,7 +139,8 @@ class Settings(Model):
         "demonstrations to follow"
     )
     relabel: bool = Field(
-        description="tabular Q-learning learns each step for every live automaton state"
+        description="learn each step for live automaton states that it was not made in as well: "
+        "for all of them on tables, for one drawn at random in half of a batch elsewhere"
     )
 
     @model_validator(mode="before")
@@ -191,6 +196,7 @@ PAPER: MappingProxyType[str, object] = MappingProxyType(
         "tau": 1e-4,
         "actor_rate": 3e-4,
         "critic_rate": 3e-4,
+        "final_rate": 1.0,
         "discriminator_rate": 3e-4,
         "actor_hidden": (256, 256, 256),
         "critic_hidden": (256, 256),
