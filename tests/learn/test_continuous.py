@@ -322,3 +322,13 @@ def test_nothing_is_shown_without_demonstrations() -> None:
     assert shown.observation.shape == shown.positive.shape == (0, 2)
     _, agent = learner(until=70, shown=DemoSet(()))
     assert agent.demo_rows is None
+
+
+def test_step_sizes_fall_to_their_final_share_but_not_the_temperatures() -> None:
+    _, agent = learner(until=50, steps=200, learning_starts=100, final_rate=0.2, actor_rate=0.5)
+    sac = agent.sac
+    for step, share in ((0, 1.0), (50, 0.6), (100, 0.2)):
+        agent.learn(step)
+        assert sac.actor_adam.rate.item() == pytest.approx(0.5 * share)
+        assert sac.critic_adam.rate.item() == pytest.approx(agent.settings.critic_rate * share)
+        assert sac.alpha_adam.rate.item() == pytest.approx(agent.settings.critic_rate)
