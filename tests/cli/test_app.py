@@ -38,20 +38,18 @@ def verb(monkeypatch: pytest.MonkeyPatch, body: Callable[[], None]) -> None:
     monkeypatch.setattr(app, "import_module", lambda name: module)
 
 
-def test_the_help_lists_the_verbs_that_are_there_and_no_others(run: Run, root: Path) -> None:
+def test_the_help_lists_the_verbs_and_no_others(run: Run) -> None:
     status, out, _ = run("--help")
     listed = [line.split()[0] for line in out.partition("Commands:")[2].splitlines() if line]
-    there = [v for v, module in VERBS.items() if (root / f"tiloilc/cli/{module}.py").exists()]
     assert status == 0
-    assert listed == there
+    assert listed == list(VERBS)
 
 
-def test_every_verb_has_help(run: Run, root: Path) -> None:
-    for name, module in VERBS.items():
-        if (root / f"tiloilc/cli/{module}.py").exists():
-            status, out, _ = run(name, "--help")
-            assert status == 0
-            assert out.startswith("Usage: tiloilc")
+def test_every_verb_has_help(run: Run) -> None:
+    for name in VERBS:
+        status, out, _ = run(name, "--help")
+        assert status == 0
+        assert out.startswith("Usage: tiloilc")
 
 
 def test_the_version_is_printed(run: Run) -> None:

@@ -15,7 +15,7 @@ import pytest
 from tests.cli.running import Run, runner
 from tests.driver.specs import spec
 from tiloilc import automaton
-from tiloilc.cli import translate as cli_translate
+from tiloilc.cli.logic import translate as cli_translate
 from tiloilc.diag import RULES
 
 

@@ -1,9 +1,10 @@
 """The app: which verbs there are, what is loaded for them, and what happens when one fails.
 
-A verb is a module of this package with a function `command`, whose signature is its usage and whose
-docstring is its help. Modules are imported to show the help, so they import what is heavy inside
-their functions. A verb returns nothing and ends otherwise than well by `raise typer.Exit(status)`,
-or by letting a CompileError pass.
+A verb is a module of this package, or of `logic` if it is about formulas and automata, with a
+function `command`, whose signature is its usage and whose docstring is its help. Modules are
+imported to show the help, so they import what is heavy inside their functions. A verb returns
+nothing and ends otherwise than well by `raise typer.Exit(status)`, or by letting a CompileError
+pass.
 """
 
 from __future__ import annotations
@@ -12,7 +13,6 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Annotated, NoReturn
 
 import typer
@@ -29,11 +29,11 @@ VERBS = {
     "eval": "evaluate",
     "run": "run",
     "report": "report",
-    "viz": "viz",
-    "explain": "explain",
-    "translate": "translate",
-    "check": "check",
-    "step": "step",
+    "viz": "logic.viz",
+    "explain": "logic.explain",
+    "translate": "logic.translate",
+    "check": "logic.check",
+    "step": "logic.step",
     "bench": "bench",
     "schema": "schema",
     "doctor": "doctor",
@@ -56,9 +56,7 @@ def build_app(wanted: str | None = None) -> typer.Typer:
     app.callback()(_root)
     for verb in [wanted] if wanted in VERBS else VERBS:
         assert verb is not None
-        module = f"tiloilc.cli.{VERBS[verb]}"
-        if find_spec(module) is not None:
-            app.command(verb)(import_module(module).command)
+        app.command(verb)(import_module(f"tiloilc.cli.{VERBS[verb]}").command)
     return app
 
 

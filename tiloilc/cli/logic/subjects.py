@@ -93,7 +93,7 @@ def _of_hoa(path: Path) -> Subject:
 
 def _of_formula(text: str, propositions: str | None) -> Subject:
     from tiloilc.automaton import translate
-    from tiloilc.cli.formulas import Written, read, show
+    from tiloilc.cli.logic.formulas import Written, read, show
 
     written = Written(text)
     try:

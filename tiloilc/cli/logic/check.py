@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tiloilc.cli.formulas import Propositions, Written, read, show, split_names
+from tiloilc.cli.logic.formulas import Propositions, Written, read, show, split_names
 from tiloilc.diag import CompileError
 
 if TYPE_CHECKING:

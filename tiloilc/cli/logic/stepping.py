@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TextIO
 
 from tiloilc.cli.console import fail, say
-from tiloilc.cli.formulas import Written, show
-from tiloilc.cli.subjects import Subject
+from tiloilc.cli.logic.formulas import Written, show
+from tiloilc.cli.logic.subjects import Subject
 from tiloilc.diag import CompileError
 
 if TYPE_CHECKING:

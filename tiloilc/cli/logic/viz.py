@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from tiloilc.cli.console import Quiet, report, say
-from tiloilc.cli.formulas import Propositions
-from tiloilc.cli.subjects import Subject, subject_of
+from tiloilc.cli.logic.formulas import Propositions
+from tiloilc.cli.logic.subjects import Subject, subject_of
 from tiloilc.diag import CompileError, Diagnostic
 
 SUFFIXES = {

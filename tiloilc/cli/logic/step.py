@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tiloilc.cli.console import Quiet, fail, guests, say
-from tiloilc.cli.formulas import Propositions, Written
-from tiloilc.cli.stepping import Session, Table, read_word
-from tiloilc.cli.subjects import Subject, subject_of
+from tiloilc.cli.logic.formulas import Propositions, Written
+from tiloilc.cli.logic.stepping import Session, Table, read_word
+from tiloilc.cli.logic.subjects import Subject, subject_of
 
 if TYPE_CHECKING:
     from tiloilc.automaton.language.trace import Trace

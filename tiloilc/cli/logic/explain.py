@@ -10,8 +10,8 @@ from typing import Annotated
 import typer
 
 from tiloilc.cli.console import fail
-from tiloilc.cli.formulas import Propositions
-from tiloilc.cli.subjects import is_there, subject_of
+from tiloilc.cli.logic.formulas import Propositions
+from tiloilc.cli.logic.subjects import is_there, subject_of
 from tiloilc.diag import RULES, did_you_mean
 from tiloilc.diag.pages import page, readable
 

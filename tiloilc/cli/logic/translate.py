@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from tiloilc.cli.console import fail
-from tiloilc.cli.formulas import Propositions, Written, read, show
+from tiloilc.cli.logic.formulas import Propositions, Written, read, show
 from tiloilc.diag import CompileError
 
 if TYPE_CHECKING:
