@@ -1,11 +1,18 @@
+from itertools import product
+
+import networkx as nx
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.plan.automata import automaton, chain, flatworld_cycle, stabilization
+from tests.strategies import formulas, lassos
+from tiloilc.automaton import accepts, translate
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import CompileError
+from tiloilc.ltl import Lasso, parse
+from tiloilc.ltl.ast import Formula
 from tiloilc.product import walk_tables
 from tiloilc.product.walk import MAX_PROPOSITIONS
 
@@ -67,6 +74,38 @@ def test_a_jump_that_takes_a_step_begins_where_the_letter_led() -> None:
     assert walk.options[0, blue].tolist() == [2, 2]  # but not out of the sink
     assert walk.options[1, yellow].tolist() == [1, 1]
     assert (walk.options[2] == 2).all()
+
+
+def accepts_step_by_step(ldba: Ldba, lasso: Lasso) -> bool:
+    """Whether a run with jumps that take a step, none before the first letter, is accepting."""
+    walk = walk_tables(ldba, "step")
+    graph: nx.DiGraph[tuple[int, int]] = nx.DiGraph()
+    letters, back = lasso.letters, len(lasso.stem)
+    for i, letter in enumerate(letters):
+        after = i + 1 if i + 1 < len(letters) else back
+        for b in ldba.states:
+            graph.add_edges_from(((i, b), (after, int(c))) for c in walk.options[b, letter])
+    reached = graph.subgraph({(0, ldba.initial), *nx.descendants(graph, (0, ldba.initial))})
+    rounds = [c for c in nx.strongly_connected_components(reached) if reached.subgraph(c).edges]
+    return any(walk.accepting[b] for nodes in rounds for _, b in nodes)
+
+
+@given(formulas(("a", "b"), 10), lassos(("a", "b")))
+def test_whoever_jumps_a_letter_later_is_accepted_all_the_same(
+    formula: Formula, lasso: Lasso
+) -> None:
+    """The first label is read before the first step, so a jump can only come after it."""
+    ldba = translate(formula, ("a", "b"))
+    assert accepts_step_by_step(ldba, lasso) == accepts(ldba, lasso)
+
+
+def test_so_it_is_where_jumps_are_needed() -> None:
+    for text in ("F G a | F G b", "G F b & F G a", "G (a | X F G b)"):
+        parsed = parse(text, ("a", "b"))
+        ldba = translate(parsed.formula, ("a", "b"))
+        for letters in product(range(4), repeat=4):
+            lasso = Lasso(letters[:2], letters[2:])
+            assert accepts_step_by_step(ldba, lasso) == accepts(ldba, lasso), (text, lasso)
 
 
 def test_no_step_is_taken_where_there_are_no_jumps() -> None:
