@@ -15,6 +15,7 @@ from tiloilc.learn.cloning import clone, fit_inverse_dynamics
 from tiloilc.learn.continuous import SacAgent
 from tiloilc.learn.job import _shown
 from tiloilc.learn.loop import Loop
+from tiloilc.learn.sac import Imitated
 from tiloilc.learn.shown import _segments, show
 from tiloilc.learn.tiloil import stage_reward, tiloil_target
 from tiloilc.plan import Plan, stage_plan
@@ -104,11 +105,10 @@ def test_bounded_observations_are_scaled_by_their_bounds() -> None:
 def test_rewards_are_those_of_todays_discriminators() -> None:
     _, agent = learner(entropy=0.2)
     batch = agent.layout.unpack(agent.replay.rows[:, :40])
-    state = agent.generator.get_state()
 
     def targets() -> torch.Tensor:
-        agent.generator.set_state(state)
-        return agent.targets(batch)
+        options = agent.options[batch.state, batch.letter]
+        return agent.target(batch, options, torch.zeros(options.shape))
 
     before = targets()
     agent.discriminators.trained[:] = True
@@ -121,22 +121,37 @@ def test_rewards_are_those_of_todays_discriminators() -> None:
     assert not torch.equal(before, loud)
 
 
-def test_targets_are_equation_4_with_the_soft_value_of_the_next_state() -> None:
+def test_targets_are_equation_4_with_the_soft_value_of_the_next_state(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     _, agent = learner(entropy=0.2)
-    batch = agent.layout.unpack(agent.replay.rows[:, :40])
-    state = agent.generator.get_state()
-    found = agent.targets(batch)
-    agent.generator.set_state(state)
-    options = agent.options[batch.state, batch.letter]
-    k = options.shape[-1]
-    x = agent.encode(batch.next_observation.repeat_interleave(k, dim=1), options.reshape(2, -1))
-    soft = agent.sac.soft_value(x).view(2, 40, k)
-    bonus = agent.discriminators.bonus(batch.observation, batch.state)
-    reward = stage_reward(agent.table, batch.state, bonus, agent.settings)
-    expected = tiloil_target(
-        agent.table, batch.state, reward, options, soft, batch.terminal, agent.settings
-    )
-    assert torch.allclose(found, expected)
+    chance, n, k = agent._draw(), 16, agent.options.shape[2]
+    seen = []
+
+    def critics(x: torch.Tensor, action: torch.Tensor, target: torch.Tensor) -> torch.Tensor:
+        batch = agent._batch(chance)
+        options = agent.options[batch.state, batch.letter]
+        after = agent._encode_options(batch.next_observation, options)
+        soft = agent.sac.soft_value(after, agent.sac.sample(after, chance.noise[:, : n * k]))
+        bonus = agent.discriminators.bonus(batch.observation, batch.state)
+        reward = stage_reward(agent.table, batch.state, bonus, agent.settings)
+        expected = tiloil_target(
+            agent.table,
+            batch.state,
+            reward,
+            options,
+            soft.view(2, n, k),
+            batch.terminal,
+            agent.settings,
+        )
+        seen.append(torch.allclose(target, expected, atol=1e-5))
+        assert torch.equal(action, batch.action)
+        assert torch.equal(x, agent.encode(batch.observation, batch.state))
+        return torch.zeros(2)
+
+    monkeypatch.setattr(agent.sac, "update_critics", critics)
+    agent._update(chance, torch.tensor(0.0))
+    assert seen == [True]
 
 
 def test_letters_in_the_replay_are_those_of_the_state_arrived_in() -> None:
@@ -152,7 +167,7 @@ def test_relabelled_steps_are_read_from_every_live_state_and_demonstrations_as_t
     list(loop.run(61))
     agent = loop.agent
     assert isinstance(agent, SacAgent)
-    batch, shown = agent._batch()
+    batch, shown = agent._batch(agent._draw()), agent.shown_rows
     assert agent.demo_rows is not None
     went = set(agent.layout.unpack(agent.demo_rows).state.unique().tolist())
     assert set(batch.state[:, :shown].unique().tolist()) <= went
@@ -167,7 +182,7 @@ def test_relabelled_steps_are_read_from_every_live_state_and_demonstrations_as_t
 def test_without_relabelling_steps_stay_in_the_states_they_were_made_in() -> None:
     _, agent = learner(until=61, relabel=False, demo_replay=0)
     made = {(*row[:2], row[-3]) for seed in agent.replay.rows[:, :61].tolist() for row in seed}
-    batch, _ = agent._batch()
+    batch = agent._batch(agent._draw())
     seen = torch.cat([batch.observation, batch.state[..., None]], dim=-1)
     assert {tuple(row) for seed in seen.tolist() for row in seed} <= made
 
@@ -197,8 +212,8 @@ def test_with_exact_entry_acceptance_is_chosen_at_once() -> None:
 def test_demonstrations_have_their_share_in_every_batch() -> None:
     for share, rows in ((0.0, 0), (0.25, 4), (0.5, 8), (1.0, 16)):
         _, agent = learner(until=61, demo_replay=share, warm_start="none")
-        batch, shown = agent._batch()
-        assert shown == rows
+        batch = agent._batch(agent._draw())
+        assert agent.shown_rows == rows
         assert batch.observation.shape == (2, 16, 2)
         path = {round(0.1 * t, 4) for t in range(8)}
         from_demo = [round(v, 4) in path for v in batch.observation[0, :, 0].tolist()]
@@ -266,15 +281,19 @@ def test_cloning_brings_the_greedy_action_to_the_demonstrated_one(
     assert (agent.sac.mean_action(x) - 0.5).abs().mean() < 0.05
 
 
-def test_the_cloning_loss_fades_to_nothing() -> None:
-    _, agent = learner(until=61, warm_start_steps=100)
-    batch, shown = agent._batch()
-    first, half = (agent._imitated(batch, shown, p) for p in (0, 50))
-    assert first is not None
-    assert half is not None
-    assert torch.equal(first.action, batch.action[:, :shown])
-    assert half.weight == first.weight / 2
-    assert agent._imitated(batch, shown, 100) is None
+def test_the_cloning_loss_fades_to_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, agent = learner(until=61, warm_start_steps=100, demo_replay=0.25, gamma=0.9)
+    seen = []
+
+    def actor(x: torch.Tensor, drawn: object, imitated: Imitated) -> torch.Tensor:
+        seen.append(float(imitated.weight))
+        assert imitated.action.shape == (2, 4, 1)
+        return torch.zeros(2)
+
+    monkeypatch.setattr(agent.sac, "update_actor", actor)
+    for progress in (0, 50, 100, 200):
+        agent.learn(progress)
+    assert seen == pytest.approx([10, 5, 0, 0])
 
 
 # which states of demonstrations are positive

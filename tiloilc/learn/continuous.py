@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,9 +10,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from tiloilc.diag import CompileError, Diagnostic
-from tiloilc.learn.cloning import clone, fit_inverse_dynamics
-from tiloilc.learn.discriminators import Discriminators, StageBuffers
+from tiloilc.learn.cloning import clone, demonstrated_rows
+from tiloilc.learn.discriminators import Discriminators, Draws, StageBuffers
 from tiloilc.learn.replay import Batch, Layout, Replay
 from tiloilc.learn.ring import Ring
 from tiloilc.learn.sac import Imitated, SoftActorCritic
@@ -29,6 +28,22 @@ if TYPE_CHECKING:
 
 RELABELLED = 0.5
 """How many steps of a batch are read from an automaton state drawn at random, with `relabel`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chance:
+    """The random part of an update.
+
+    Places in the replay [seed, n − n'] and among the demonstrations [seed, n', 1]; automaton states
+    from which steps are read instead [seed, n], -1 for their own; noise of the actions of each
+    option and of each state [seed, n·(K + 1), m].
+    """
+
+    rows: Tensor
+    shown: Tensor | None
+    state: Tensor | None
+    noise: Tensor
+    discriminators: Draws | None
 
 
 class SacAgent:
@@ -65,7 +80,13 @@ class SacAgent:
         wanted = settings.beta > 0 or not settings.stages
         self.judges = wanted and self.discriminators.stages > 0
         self.sac = SoftActorCritic(settings.seeds, d + walk.states, m, settings, generator)
-        self.demo_rows: Tensor | None = None
+        self._show(None)
+
+    def _show(self, rows: Tensor | None) -> None:
+        """Have `rows` of demonstrations in every batch from now on, as many as wanted."""
+        self.demo_rows = rows
+        share = self.settings.demo_replay if rows is not None else 0
+        self.shown_rows = round(share * self.settings.batch_size)
 
     def encode(self, observation: Tensor, state: Tensor) -> Tensor:
         """The networks' input: s scaled and b as one-hot; [seed, n, d + states]."""
@@ -87,7 +108,9 @@ class SacAgent:
         """The option of greatest value (drawn by softmax of value / α while exploring)."""
         offered = torch.from_numpy(options)
         seen = torch.from_numpy(observations)
-        value = self._option_values(seen, offered, greedy)
+        x = self._encode_options(seen, offered)
+        value = self.sac.greedy_value(x) if greedy else self.sac.soft_value(x)
+        value = value.view_as(offered)
         value = option_values(self.table, offered, value, self.settings, self._wait(seen, offered))
         if not greedy:
             noise = torch.rand(value.shape, generator=self.generator).clamp(1e-9, 1 - 1e-9)
@@ -97,15 +120,10 @@ class SacAgent:
             value = (value - alpha * (-noise.log()).log()).masked_fill(filled, -torch.inf)
         return offered.gather(-1, value.argmax(-1, keepdim=True)).squeeze(-1).numpy()
 
-    def _option_values(self, observation: Tensor, options: Tensor, greedy: bool) -> Tensor:
-        seeds, n, k = options.shape
-        repeated = observation.repeat_interleave(k, dim=1)
-        x = self.encode(repeated, options.reshape(seeds, -1))
-        if greedy:
-            value = self.sac.q(self.sac.critics, x, self.sac.mean_action(x)).amin(1)
-        else:
-            value = self.sac.soft_value(x)
-        return value.view(seeds, n, k)
+    def _encode_options(self, observation: Tensor, options: Tensor) -> Tensor:
+        """The networks' input for each option, [seed, n·K, d + states]."""
+        repeated = observation.repeat_interleave(options.shape[2], dim=1)
+        return self.encode(repeated, options.flatten(1))
 
     def record(
         self,
@@ -131,8 +149,19 @@ class SacAgent:
 
     def begin(self) -> bool:
         """The random steps are over: give the demonstrations actions and clone them."""
-        self.demo_rows = self._demonstration_rows()
-        if self.demo_rows is None or self.settings.warm_start == "none":
+        clones = self.settings.warm_start != "none"
+        if clones or self.settings.demo_replay > 0:
+            self._show(
+                demonstrated_rows(
+                    self.shown,
+                    self.replay,
+                    self.layout,
+                    self.low,
+                    self.high,
+                    self.generator,
+                )
+            )
+        if self.demo_rows is None or not clones:
             return False
         batch = self.layout.unpack(self.demo_rows)
         x = self.encode(batch.observation, batch.state)
@@ -140,80 +169,82 @@ class SacAgent:
         self.sac.reset_optimisers()
         return True
 
-    def _demonstration_rows(self) -> Tensor | None:
-        shown, seeds = self.shown, self.settings.seeds
-        if self.settings.demo_replay == 0 and self.settings.warm_start == "none":
-            return None
-        if len(shown.observation) == 0:
-            return None
-        before = torch.from_numpy(shown.observation).expand(seeds, -1, -1)
-        after = torch.from_numpy(shown.next_observation).expand(seeds, -1, -1)
-        if shown.action is None and len(self.replay) == 0:
-            problem = "actions cannot be inferred before a step was taken"
-            help = "take random steps first, 2,000 for instance"
-            raise CompileError(
-                Diagnostic.of("JOB604", setting="learning_starts", problem=problem, help=help)
-            )
-        if shown.action is None:
-            inverse = fit_inverse_dynamics(self.replay, self.layout, self.generator)
-            action = inverse(before, after)
-        else:
-            scaled = 2 * (shown.action - self.low) / (self.high - self.low) - 1
-            action = torch.from_numpy(scaled.astype(np.float32)).expand(seeds, -1, -1)
-        columns = [
-            before,
-            action,
-            after,
-            torch.from_numpy(shown.state)[:, None].expand(seeds, -1, -1),
-            torch.from_numpy(shown.letter)[:, None].expand(seeds, -1, -1),
-            torch.zeros(seeds, len(shown.state), 1),
-        ]
-        return torch.cat([c.float() for c in columns], dim=-1)
-
     def learn(self, progress: float) -> dict[str, Tensor]:
-        """One update of discriminators, critics, actor and targets; losses by seed.
-
-        `progress` counts environment steps since learning began.
-        """
-        s = self.settings
+        """One update, `progress` environment steps since learning began; losses by seed."""
+        s, weight = self.settings, 0.0
         gone = progress / max(s.steps - s.learning_starts, 1)
         self.sac.slow(1 - (1 - s.final_rate) * gone)
+        if s.warm_start != "none":
+            weight = max(1 - progress / max(s.warm_start_steps, 1), 0) / (1 - s.gamma)
+        return self._update(self._draw(), torch.tensor(weight, device=self.generator.device))
+
+    def _draw(self) -> Chance:
+        """What the next update needs of chance."""
+        s, random, shown = self.settings, self.generator, None
+        rows = self.replay.draw(s.batch_size - self.shown_rows, random)
+        if self.demo_rows is not None and self.shown_rows:
+            places = (s.seeds, self.shown_rows, 1)
+            shown = torch.randint(
+                self.demo_rows.shape[1], places, generator=random, device=random.device
+            )
+        state = None
+        if s.relabel:
+            shape = (s.seeds, s.batch_size)
+            state = self.live[
+                torch.randint(len(self.live), shape, generator=random, device=random.device)
+            ]
+            kept = torch.rand(shape, generator=random, device=random.device) >= RELABELLED
+            kept[:, : self.shown_rows] = True
+            state = state.masked_fill(kept, -1)
+        noise = self.sac.noise(s.batch_size * (self.options.shape[2] + 1))
+        judged = self.discriminators.draw() if self.judges else None
+        return Chance(rows, shown, state, noise, judged)
+
+    def _update(self, chance: Chance, weight: Tensor) -> dict[str, Tensor]:
+        """Algorithm 1, lines 16 to 24: discriminators, critics, actor and targets.
+
+        `weight` is what imitating the demonstrations in the batch still weighs.
+        """
         losses = {}
-        if self.judges:
-            losses["discriminator"] = self.discriminators.update()
-        batch, shown = self._batch()
+        if chance.discriminators is not None:
+            losses["discriminator"] = self.discriminators.update(chance.discriminators)
+        batch = self._batch(chance)
         x = self.encode(batch.observation, batch.state)
-        losses["critic"] = self.sac.update_critics(x, batch.action, self.targets(batch))
-        losses["actor"] = self.sac.update_actor(x, imitated=self._imitated(batch, shown, progress))
+        options = self.options[batch.state, batch.letter]
+        arrived = self._encode_options(batch.next_observation, options)
+        drawn = self.sac.sample(torch.cat([arrived, x], dim=1), chance.noise)
+        later, now = (
+            drawn.rows(slice(0, arrived.shape[1])),
+            drawn.rows(slice(arrived.shape[1], None)),
+        )
+        value = self.sac.soft_value(arrived, later).view_as(options)
+        target = self.target(batch, options, value)
+        losses["critic"] = self.sac.update_critics(x, batch.action, target)
+        imitated = None
+        if chance.shown is not None and self.settings.warm_start != "none":
+            imitated = Imitated(batch.action[:, : self.shown_rows], weight)
+        losses["actor"] = self.sac.update_actor(x, now, imitated)
         self.sac.follow()
         return losses
 
-    def _batch(self) -> tuple[Batch, int]:
-        """A batch of which the first `shown` rows are demonstrations'."""
-        s = self.settings
-        shown = round(s.demo_replay * s.batch_size) if self.demo_rows is not None else 0
-        rows = self.replay.sample(s.batch_size - shown, self.generator)
-        if shown and self.demo_rows is not None:
-            count = self.demo_rows.shape[1]
-            at = torch.randint(count, (s.seeds, shown, 1), generator=self.generator)
-            drawn = self.demo_rows.gather(1, at.expand(-1, -1, self.demo_rows.shape[2]))
-            rows = torch.cat([drawn, rows], dim=1)
+    def _batch(self, chance: Chance) -> Batch:
+        """A batch of which the first rows are demonstrations'."""
+        rows = self.replay.at(chance.rows)
+        if chance.shown is not None and self.demo_rows is not None:
+            places = chance.shown.expand(-1, -1, self.layout.width)
+            rows = torch.cat([self.demo_rows.gather(1, places), rows], dim=1)
         batch = self.layout.unpack(rows)
-        return (self._relabelled(batch, shown) if s.relabel else batch), shown
+        if chance.state is None:
+            return batch
+        read = torch.where(chance.state < 0, batch.state, chance.state)
+        return replace(batch, state=read)
 
-    def _relabelled(self, batch: Batch, shown: int) -> Batch:
-        """The batch with RELABELLED of the agent's own steps read from any live state instead."""
-        shape = batch.state.shape
-        drawn = torch.randint(len(self.live), shape, generator=self.generator)
-        kept = torch.rand(shape, generator=self.generator) >= RELABELLED
-        kept[:, :shown] = True
-        return replace(batch, state=torch.where(kept, batch.state, self.live[drawn]))
+    def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
+        """Eq. 4 with the rewards of today's discriminators, [seed, n].
 
-    def targets(self, batch: Batch) -> Tensor:
-        """Eq. 4 with the rewards of today's discriminators, [seed, n]."""
+        `value` [seed, n, K] is V(s', b') of each of the `options` b'.
+        """
         reward = self._reward(batch.observation, batch.state)
-        options = self.options[batch.state, batch.letter]
-        value = self._option_values(batch.next_observation, options, greedy=False)
         wait = self._wait(batch.next_observation, options)
         return tiloil_target(
             self.table,
@@ -236,14 +267,6 @@ class SacAgent:
     def _wait(self, observation: Tensor, options: Tensor) -> Tensor | None:
         """What is paid for a jump that takes a step; None where jumps do not."""
         return self._reward(observation, options[..., 0]) if self.walk.costly else None
-
-    def _imitated(self, batch: Batch, shown: int, progress: float) -> Imitated | None:
-        """The demonstrations' rows of a batch, and what cloning them still weighs."""
-        s = self.settings
-        if s.warm_start == "none" or not shown or progress >= s.warm_start_steps:
-            return None
-        weight = (1 - progress / s.warm_start_steps) / (1 - s.gamma)
-        return Imitated(batch.action[:, :shown], torch.tensor(weight))
 
     def policy(self) -> State:
         """What acting needs; each tensor's first axis counts seeds, or seeds times two."""
@@ -277,7 +300,7 @@ class SacAgent:
         self.buffers.load(under("stages", state))
         self.replay.load(under("replay", state))
         self.generator.set_state(state["generator"])
-        self.demo_rows = state.get("demo_rows")
+        self._show(state.get("demo_rows"))
 
     def _to_environment(self, action: Floats) -> Floats:
         scaled = self.low + 0.5 * (action + 1) * (self.high - self.low)

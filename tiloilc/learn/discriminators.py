@@ -136,7 +136,7 @@ class Discriminators:
         stack = seeds if self.shared else seeds * self.stages
         sizes = [inputs, *settings.discriminator_hidden, 1]
         self.nets = StackedMLP(stack, sizes, generator)
-        self.adam = Adam(self.nets.flat, self.nets.gradient, settings.discriminator_rate)
+        self.adam = Adam(self.nets.flat, settings.discriminator_rate)
         self.norm = RunningNorm(seeds, d, device)
         self.demonstrations = demonstrations
         self.trained = torch.zeros(seeds, self.stages, dtype=torch.bool, device=device)
@@ -179,8 +179,7 @@ class Discriminators:
         logits, tape = self._forward(self.norm(states.view(seeds, -1, d)).view(states.shape))
         wanted = (torch.arange(n, device=states.device) < n // 2).float()
         to_logits = (torch.sigmoid(logits) - wanted) * (ready[:, :, None] / n)
-        self.nets.backward(tape, to_logits.view(self.nets.stack, -1, 1))
-        self.adam.step()
+        self.adam.step(self.nets.backward(tape, to_logits.view(self.nets.stack, -1, 1)))
         self.trained |= ready
         entropy = softplus(logits) - wanted * logits
         return (entropy.mean(2) * ready).sum(1)

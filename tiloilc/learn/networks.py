@@ -20,6 +20,9 @@ from tiloilc.learn.state import State
 NORM_EPSILON = 1e-5
 """Added to the variance that layer normalisation divides by, as in torch."""
 
+BETA1, BETA2, EPSILON = 0.9, 0.999, 1e-8
+"""Adam's, as everywhere."""
+
 
 def product(a: Tensor, b: Tensor, out: Tensor | None = None) -> Tensor:
     """Stacked matrix product, [stack, n, k] by [stack, k, m], into `out` if given.
@@ -30,6 +33,8 @@ def product(a: Tensor, b: Tensor, out: Tensor | None = None) -> Tensor:
     if a.shape[2] == 1:
         return torch.mul(a, b, out=out)
     if a.device.type != "cpu" or torch.compiler.is_compiling():
+        if b.shape[2] == 1 and torch.compiler.is_compiling():
+            return (a * b.transpose(1, 2)).sum(2, keepdim=True)
         return torch.bmm(a, b, out=out)
     if out is not None:
         np.matmul(a.numpy(), b.numpy(), out=out.numpy())
@@ -79,6 +84,13 @@ class StackedMLP:
             for parameter in (weight, bias):
                 parameter.uniform_(-bound, bound, generator=generator)
 
+    @property
+    def _layers(self) -> list[tuple[Tensor, Tensor]]:
+        """Weights and biases by layer. A compiler must see that they are parts of `flat`."""
+        compiling = torch.compiler.is_compiling()
+        views = self._views(self.flat) if compiling else (self.weights, self.biases)
+        return list(zip(*views, strict=True))
+
     def _views(self, flat: Tensor) -> tuple[list[Tensor], list[Tensor]]:
         weights: list[Tensor] = []
         biases: list[Tensor] = []
@@ -107,8 +119,9 @@ class StackedMLP:
     def forward(self, x: Tensor) -> tuple[Tensor, Tape]:
         """Inputs [stack, n, in] to outputs [stack, n, out], and what `backward` needs."""
         inputs, normal, deviations = [], [], []
-        last = len(self.weights) - 1
-        for i, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
+        layers = self._layers
+        last = len(layers) - 1
+        for i, (weight, bias) in enumerate(layers):
             inputs.append(x)
             x = product(x, weight).add_(bias)
             if i == last:
@@ -125,23 +138,33 @@ class StackedMLP:
                 normal.append(x)
         return x, Tape(tuple(inputs), tuple(normal), tuple(deviations))
 
-    def backward(self, tape: Tape, slope: Tensor) -> None:
-        """Write into `gradient` what a loss of `slope` [stack, n, out] at the outputs gives."""
+    def backward(self, tape: Tape, slope: Tensor) -> Tensor:
+        """The slope at `flat` of a loss that has `slope` [stack, n, out] at the outputs.
+
+        The next call writes over what this one returns.
+        """
+        found: list[Tensor] = []
         for i, at_layer in self._slopes(tape, slope):
-            torch.sum(at_layer, 1, keepdim=True, out=self._to_biases[i])
-            product(tape.inputs[i].transpose(1, 2), at_layer, out=self._to_weights[i])
+            before = tape.inputs[i].transpose(1, 2)
+            if torch.compiler.is_compiling():
+                found = [product(before, at_layer), at_layer.sum(1, keepdim=True), *found]
+            else:
+                torch.sum(at_layer, 1, keepdim=True, out=self._to_biases[i])
+                product(before, at_layer, out=self._to_weights[i])
+        return torch.cat([t.flatten() for t in found]) if found else self.gradient
 
     def input_slope(self, tape: Tape, slope: Tensor, last: int) -> Tensor:
         """The loss's slope [stack, n, last] at the `last` components of the inputs."""
         for _, at_layer in self._slopes(tape, slope):
             slope = at_layer
-        return product(slope, self.weights[0][:, -last:].transpose(1, 2))
+        return product(slope, self._layers[0][0][:, -last:].transpose(1, 2))
 
     def _slopes(self, tape: Tape, slope: Tensor) -> Iterator[tuple[int, Tensor]]:
         """The loss's slope at what each layer puts out, from the last to the first."""
-        yield len(self.weights) - 1, slope
-        for i in reversed(range(len(self.weights) - 1)):
-            slope = product(slope, self.weights[i + 1].transpose(1, 2))
+        layers = self._layers
+        yield len(layers) - 1, slope
+        for i in reversed(range(len(layers) - 1)):
+            slope = product(slope, layers[i + 1][0].transpose(1, 2))
             x = tape.normal[i]
             slope = torch.ops.aten.threshold_backward(slope, x, 0)
             if self.layer_norm:
@@ -174,29 +197,36 @@ class StackedMLP:
 
 
 class Adam:
-    """Adam (Kingma and Ba 2015) on all parameters of a stack at once, in torch's fused form."""
+    """Adam (Kingma and Ba 2015) on all parameters of a stack at once."""
 
-    def __init__(self, flat: Tensor, gradient: Tensor, rate: float) -> None:
-        self.flat, self.gradient = flat, gradient
-        self.first_rate, self.rate = rate, torch.tensor(rate)
+    def __init__(self, flat: Tensor, rate: float) -> None:
+        self.flat = flat
+        self.first_rate, self.rate = rate, torch.tensor(rate, device=flat.device)
         self.mean, self.square = torch.zeros_like(flat), torch.zeros_like(flat)
         self.steps = torch.zeros((), device=flat.device)
 
-    def step(self) -> None:
-        """Move the parameters against their gradient."""
+    def step(self, gradient: Tensor) -> None:
+        """Move the parameters against their `gradient`."""
         self.steps += 1
+        if torch.compiler.is_compiling():
+            self.mean.lerp_(gradient, 1 - BETA1)
+            self.square.lerp_(gradient.square(), 1 - BETA2)
+            size = self.rate / (1 - BETA1**self.steps)
+            spread = (self.square / (1 - BETA2**self.steps)).sqrt() + EPSILON
+            self.flat.sub_(size * self.mean / spread)
+            return
         torch._fused_adam_(
             [self.flat],
-            [self.gradient],
+            [gradient],
             [self.mean],
             [self.square],
             [],
             [self.steps],
             lr=self.rate,
-            beta1=0.9,
-            beta2=0.999,
+            beta1=BETA1,
+            beta2=BETA2,
             weight_decay=0.0,
-            eps=1e-8,
+            eps=EPSILON,
             amsgrad=False,
             maximize=False,
         )

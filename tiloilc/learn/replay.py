@@ -77,10 +77,11 @@ class Layout:
 class Replay:
     """A ring of `capacity` rows for each seed; all rings are equally full."""
 
-    def __init__(self, seeds: int, capacity: int, width: int) -> None:
-        self.rows = torch.zeros(seeds, capacity, width)
-        self._view = self.rows.numpy()
-        self._starts = torch.arange(seeds)[:, None] * capacity
+    def __init__(
+        self, seeds: int, capacity: int, width: int, device: torch.device | str = "cpu"
+    ) -> None:
+        self.rows = torch.zeros(seeds, capacity, width, device=device)
+        self._starts = torch.arange(seeds, device=device)[:, None] * capacity
         self.written = 0
 
     def __len__(self) -> int:
@@ -89,15 +90,25 @@ class Replay:
     def add(self, rows: NDArray[np.float32]) -> None:
         """Store rows [seed, k, width], over the oldest ones when full."""
         at = (self.written + np.arange(rows.shape[1])) % self.rows.shape[1]
-        self._view[:, at] = rows
+        device = self.rows.device
+        new = torch.from_numpy(rows).to(device, self.rows.dtype)
+        self.rows.index_copy_(1, torch.from_numpy(at).to(device), new)
         self.written += rows.shape[1]
 
+    def draw(self, count: int, generator: torch.Generator) -> Tensor:
+        """Places [seed, count] for `at`: uniform with replacement, for each seed on its own."""
+        shape = (self.rows.shape[0], count)
+        drawn = torch.randint(len(self), shape, generator=generator, device=self.rows.device)
+        return drawn + self._starts
+
+    def at(self, places: Tensor) -> Tensor:
+        """The rows [seed, n, width] at `places` [seed, n]."""
+        flat = self.rows.flatten(0, 1).index_select(0, places.flatten())
+        return flat.view(*places.shape, flat.shape[1])
+
     def sample(self, count: int, generator: torch.Generator) -> Tensor:
-        """Rows [seed, count, width], uniformly with replacement, for each seed on its own."""
-        seeds = self.rows.shape[0]
-        drawn = torch.randint(len(self), (seeds, count), generator=generator) + self._starts
-        flat = self.rows.view(-1, self.rows.shape[2])
-        return flat.index_select(0, drawn.view(-1)).view(seeds, count, flat.shape[1])
+        """Rows [seed, count, width], drawn anew."""
+        return self.at(self.draw(count, generator))
 
     def ring(self) -> Ring:
         """The rows; all seeds' are written alike."""

@@ -70,10 +70,9 @@ class SoftActorCritic:
         self.tuned = s.entropy == "tuned"
         start = 0.0 if self.tuned else math.log(max(float(s.entropy), 1e-8))
         self.log_alpha = torch.full((seeds,), start, device=generator.device)
-        self._to_alpha = torch.zeros_like(self.log_alpha)
-        self.actor_adam = Adam(self.actor.flat, self.actor.gradient, s.actor_rate)
-        self.critic_adam = Adam(self.critics.flat, self.critics.gradient, s.critic_rate)
-        self.alpha_adam = Adam(self.log_alpha, self._to_alpha, s.critic_rate)
+        self.actor_adam = Adam(self.actor.flat, s.actor_rate)
+        self.critic_adam = Adam(self.critics.flat, s.critic_rate)
+        self.alpha_adam = Adam(self.log_alpha, s.critic_rate)
 
     def reset_optimisers(self) -> None:
         """Forget all momentum: for the moment when a loss changes its meaning."""
@@ -125,12 +124,16 @@ class SoftActorCritic:
         alpha = self.log_alpha.exp()[:, None]
         return self.q(self.targets, x, drawn.action).amin(1) - alpha * drawn.log_density
 
+    def greedy_value(self, x: Tensor) -> Tensor:
+        """min Q(x, a) for the greedy a; [seed, n]."""
+        return self.q(self.critics, x, self.mean_action(x)).amin(1)
+
     def update_critics(self, x: Tensor, action: Tensor, target: Tensor) -> Tensor:
         """One step on Eq. 3 towards `target` [seed, n]; the loss of each seed."""
         value, tape = self._q(self.critics, x, action)
         error = value - target[:, None]
-        self.critics.backward(tape, (error / error.shape[2]).view(2 * self.seeds, -1, 1))
-        self.critic_adam.step()
+        to_value = (error / error.shape[2]).view(2 * self.seeds, -1, 1)
+        self.critic_adam.step(self.critics.backward(tape, to_value))
         return 0.5 * error.square().mean(2).sum(1)
 
     def update_actor(
@@ -158,12 +161,11 @@ class SoftActorCritic:
             distance, slope = imitation(drawn.mean[:, :rows], imitated.action)
             to_mean[:, :rows] += imitated.weight * slope
             loss = loss + imitated.weight * distance
-        self.actor.backward(drawn.tape, torch.cat([to_mean, to_raw], dim=-1))
-        self.actor_adam.step()
+        to_out = torch.cat([to_mean, to_raw], dim=-1)
+        self.actor_adam.step(self.actor.backward(drawn.tape, to_out))
         if self.tuned:
             wanted = self.settings.target_entropy * m
-            torch.mean(-wanted - drawn.log_density, 1, out=self._to_alpha)
-            self.alpha_adam.step()
+            self.alpha_adam.step((-wanted - drawn.log_density).mean(1))
         return loss
 
     def follow(self) -> None:
