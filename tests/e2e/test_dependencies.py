@@ -9,7 +9,12 @@ import tomllib
 from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
-OPTIONAL = {"tensorboard": "tensorboard", "stable-baselines3": "bench", "sbx-rl": "bench"}
+OPTIONAL = {
+    "onnx": "onnx",
+    "tensorboard": "tensorboard",
+    "stable-baselines3": "bench",
+    "sbx-rl": "bench",
+}
 """Imported where present only, each named by an extra."""
 
 DISTRIBUTIONS = {"sbx": "sbx-rl"}

@@ -15,7 +15,7 @@ from tests.e2e.conftest import Run
 from tests.e2e.test_readme import blocks
 from tests.e2e.test_readme import run as run_block
 
-EXAMPLES = ("own_environment", "own_demonstrations", "imported_automaton")
+EXAMPLES = ("own_environment", "own_demonstrations", "imported_automaton", "exported_policy")
 
 
 @pytest.fixture
@@ -109,6 +109,19 @@ def test_the_patrol_makes_its_rounds(copied: Path, tiloilc: Run) -> None:
     greedy = evaluation(copied)["greedy"]
     assert min(greedy["accepting_visits"]) >= 1
     assert max(greedy["violation_rate"]) == 0
+
+
+@pytest.mark.parametrize("copied", ["exported_policy"], indirect=True)
+def test_both_programs_drive_alike(copied: Path, tiloilc: Run) -> None:
+    tiloilc("run", "corridor.yaml", "-q", cwd=copied)
+    tiloilc("export", "runs/corridor/0001", "-o", "corridor", "-q", cwd=copied)
+    said = [
+        subprocess.run(
+            [sys.executable, *program], cwd=copied, timeout=60, check=True, capture_output=True
+        ).stdout.decode()
+        for program in (("drive.py", "runs/corridor/0001"), ("drive_onnx.py", "corridor"))
+    ]
+    assert said == ["accepting at 11 of 17 steps\n"] * 2
 
 
 @pytest.mark.parametrize("copied", ["imported_automaton"], indirect=True)

@@ -32,6 +32,7 @@ COPIED = ("specs", "examples", "results", "tasks", "README.md", "pyproject.toml"
 
 PAGES = (
     "README.md",
+    "examples/exported_policy/README.md",
     "examples/own_environment/README.md",
     "examples/own_demonstrations/README.md",
     "examples/imported_automaton/README.md",

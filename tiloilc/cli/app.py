@@ -29,6 +29,7 @@ VERBS = {
     "eval": "evaluate",
     "run": "run",
     "report": "report",
+    "export": "export",
     "viz": "logic.viz",
     "explain": "logic.explain",
     "translate": "logic.translate",

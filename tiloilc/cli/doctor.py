@@ -38,6 +38,7 @@ OPTIONAL = {
         "the Fetch tasks",
         "pip install 'tiloilc[mujoco]'",
     ),
+    "onnx": ("onnx", "exported policies", "pip install 'tiloilc[onnx]'"),
     "tensorboard": (
         "tensorboard",
         "curves while training",

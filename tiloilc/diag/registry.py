@@ -213,5 +213,6 @@ RULES: dict[str, Rule] = _rules(
     ),
     Rule("RUN706", E, "nothing-to-evaluate", "the run `{path}` has no finished policy"),
     Rule("RUN707", E, "environment-failed", "the environment `{id}` failed: {problem}"),
+    Rule("RUN708", E, "policy-not-available", "no such policy in the run `{path}`: {problem}"),
 )
 """All rules by code, in the order of their codes."""

@@ -23,7 +23,10 @@ class Policy(Protocol):
         """One of the automaton states in `options` [seed, copy, K], for each copy."""
 
     def policy(self) -> State:
-        """What acting needs; the first axis of each tensor is a multiple of the seeds."""
+        """What is learned of acting; the first axis of each tensor is a multiple of the seeds."""
+
+    def fixed(self) -> State:
+        """What else acting needs: the same for all seeds, and from beginning to end."""
 
     def load_policy(self, state: State) -> None:
         """Take what `policy` gave."""
@@ -60,6 +63,9 @@ class Agent(Policy, Protocol):
 
     def rings(self) -> dict[str, Ring]:
         """What is too large to be saved whole each time, by name; `load` comes before its rows."""
+
+    def rewards(self, observations: Floats) -> Tensor:
+        """Eq. 8 of s [n, d] in each automaton state b, by today's discriminators: [seed, b, n]."""
 
     def state(self) -> State:
         """Everything else that learning goes on from."""

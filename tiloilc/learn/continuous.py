@@ -17,7 +17,13 @@ from tiloilc.learn.ring import Ring
 from tiloilc.learn.sac import Imitated, SoftActorCritic
 from tiloilc.learn.shown import Shown
 from tiloilc.learn.state import State, under, with_prefix
-from tiloilc.learn.tiloil import StageTable, option_values, stage_reward, tiloil_target
+from tiloilc.learn.tiloil import (
+    StageTable,
+    exact_values,
+    option_values,
+    stage_reward,
+    tiloil_target,
+)
 from tiloilc.plan import Stages
 from tiloilc.product import Floats, Int, Walk
 from tiloilc.spec.settings import Settings
@@ -272,6 +278,17 @@ class SacAgent:
         """What acting needs; each tensor's first axis counts seeds, or seeds times two."""
         return self.sac.policy()
 
+    def fixed(self) -> State:
+        """Scales of observations and actions, and what is known of each automaton state."""
+        return {
+            "middle": self.middle,
+            "half": self.half,
+            "low": torch.from_numpy(self.low.reshape(self.action_shape)),
+            "high": torch.from_numpy(self.high.reshape(self.action_shape)),
+            "code": self.table.code,
+            "entry": exact_values(self.table, self.settings),
+        }
+
     def load_policy(self, state: State) -> None:
         """Take what `policy` gave."""
         self.sac.load_policy(state)
@@ -279,6 +296,13 @@ class SacAgent:
     def rings(self) -> dict[str, Ring]:
         """The replay's rows and the stage buffers' states."""
         return {"replay": self.replay.ring(), "stages": self.buffers.ring()}
+
+    def rewards(self, observations: Floats) -> Tensor:
+        """Eq. 8 of s [n, d] in each automaton state b, by today's discriminators: [seed, b, n]."""
+        seeds, states, n = self.settings.seeds, self.walk.states, len(observations)
+        seen = torch.from_numpy(observations).repeat(states, 1).expand(seeds, -1, -1)
+        state = torch.arange(states).repeat_interleave(n).expand(seeds, -1)
+        return self._reward(seen, state).view(seeds, states, n)
 
     def state(self) -> State:
         """Everything else that learning goes on from."""

@@ -15,7 +15,13 @@ from tiloilc.learn.counts import CountDiscriminators
 from tiloilc.learn.ring import Ring
 from tiloilc.learn.shown import Shown
 from tiloilc.learn.state import State, under, with_prefix
-from tiloilc.learn.tiloil import StageTable, option_values, stage_reward, tiloil_target
+from tiloilc.learn.tiloil import (
+    StageTable,
+    exact_values,
+    option_values,
+    stage_reward,
+    tiloil_target,
+)
 from tiloilc.plan import Stages
 from tiloilc.product import Floats, Int, Walk
 from tiloilc.spec.settings import Settings
@@ -170,6 +176,17 @@ class TabularAgent:
         """What acting needs; each tensor's first axis counts seeds."""
         return {"q": self.q, "alpha": self.alpha}
 
+    def fixed(self) -> State:
+        """How cells are numbered, and what is known of cells and automaton states."""
+        return {
+            "low": torch.from_numpy(self.low),
+            "sizes": torch.from_numpy(self.sizes),
+            "first_action": torch.tensor(self.first_action),
+            "code": self.table.code,
+            "entry": exact_values(self.table, self.settings),
+            "floor": self.floor,
+        }
+
     def load_policy(self, state: State) -> None:
         """Take what `policy` gave."""
         self.q.copy_(state["q"])
@@ -178,6 +195,14 @@ class TabularAgent:
     def rings(self) -> dict[str, Ring]:
         """None: counts are kept instead of rows."""
         return {}
+
+    def rewards(self, observations: Floats) -> Tensor:
+        """Eq. 8 of s [n, d] in each automaton state b, by today's discriminators: [seed, b, n]."""
+        seed, state = torch.arange(self.settings.seeds), torch.arange(self.walk.states)
+        cell = torch.from_numpy(self._cells(observations))
+        return torch.stack(
+            [self._reward(s.expand(len(cell)), cell, state.expand(len(cell), -1)).T for s in seed]
+        )
 
     def state(self) -> State:
         """Everything that learning goes on from."""

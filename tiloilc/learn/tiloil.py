@@ -93,6 +93,12 @@ def option_values(
     return torch.where(options == options[..., :1], value, later)
 
 
+def exact_values(table: StageTable, settings: Settings) -> Tensor:
+    """The values that `option_values` knows without asking, [states]; nan for other states."""
+    states = torch.arange(len(table.code))
+    return option_values(table, states, torch.full(states.shape, torch.nan), settings)
+
+
 def tiloil_target(
     table: StageTable,
     state: Tensor,

@@ -217,13 +217,15 @@ class _Session:
         return metrics
 
     def write_policies(self) -> None:
-        """Write the policies that evaluation reads."""
-        policies = (self.cloning, self.best.policy, self.loop.agent.policy())
-        folder = self.run / CHECKPOINTS
+        """Write the policies, each with all that acting needs and each seed's validation."""
+        agent, folder = self.loop.agent, self.run / CHECKPOINTS
+        policies = (self.cloning, self.best.policy, agent.policy())
+        fixed = {**with_prefix("fixed", agent.fixed()), "scores": self.best.scores}
         try:
             for name, policy in zip(POLICIES, policies, strict=True):
                 if policy:
-                    data = save({k: v.detach().contiguous() for k, v in sorted(policy.items())})
+                    whole = sorted({**policy, **fixed}.items())
+                    data = save({k: v.detach().contiguous() for k, v in whole})
                     replace_file(folder / f"{name}.safetensors", data)
         except OSError as error:
             raise not_written(folder, error) from None
