@@ -124,6 +124,19 @@ def line(letters: list[int], successor: list[list[int]]) -> FiniteModel:
     )
 
 
+def by_search_with_steps(model: FiniteModel, letters: list[int], ldba: Ldba, horizon: int) -> int:
+    """The optimum of definition 2.3 by trying everything: moves, and jumps that take a step."""
+
+    def onwards(s: int, b: int, left: int) -> int:
+        if left == 0:
+            return 0
+        moves = [(t, ldba.successor(b, letters[t])) for t in set(model.successor[s].tolist())]
+        jumps = [(s, c) for c in ldba.jump_targets[b]]
+        return max((c in ldba.accepting) + onwards(t, c, left - 1) for t, c in moves + jumps)
+
+    return onwards(0, ldba.successor(ldba.initial, letters[0]), horizon)
+
+
 def by_search(model: FiniteModel, letters: list[int], ldba: Ldba, horizon: int) -> int:
     """The optimum by trying everything."""
 
@@ -156,6 +169,21 @@ def test_the_induction_finds_what_trying_everything_finds(
     episode = best_episode(model, np.array(letters), ldba, horizon)
     assert sum(b in ldba.accepting for b in episode.automaton_states[1:].tolist()) == expected
     assert len(episode.model_states) == horizon + 1
+
+
+@settings(max_examples=40)
+@given(
+    letters=st.lists(st.integers(0, 3), min_size=3, max_size=4),
+    picks=st.lists(st.integers(0, 11), min_size=8, max_size=8),
+    horizon=st.integers(0, 6),
+)
+def test_so_it_does_where_jumps_take_a_step(
+    letters: list[int], picks: list[int], horizon: int
+) -> None:
+    n = len(letters)
+    model = line(letters, [[picks[2 * s] % n, picks[2 * s + 1] % n] for s in range(n)])
+    found = optimum(model, np.array(letters), staying(), horizon, "step").accepting_visits
+    assert found == by_search_with_steps(model, letters, staying(), horizon)
 
 
 def test_the_state_after_the_first_label_is_not_counted() -> None:

@@ -154,6 +154,26 @@ def test_targets_are_equation_4_with_the_soft_value_of_the_next_state(
     assert seen == [True]
 
 
+def test_a_jump_that_takes_a_step_is_worth_its_pay_and_what_follows_a_step_later() -> None:
+    """Q((s', 0), jump) = R((s', 0)) + γ V(s', 1), or V(s', 0) of those who do not jump."""
+    _, agent = learner(entropy=0.2, epsilon="step", exact_entry=False, end_on_sink=False)
+    batch = agent._batch(agent._draw())
+    options = agent.options[batch.state, batch.letter]
+    waits = (batch.state == 0) & (options[..., 0] == 0)
+    assert waits.any()
+    assert (options[waits] == torch.tensor([0, 1])).all()
+    value = torch.randn(options.shape, generator=torch.Generator().manual_seed(0))
+    none = torch.zeros_like(batch.state)
+    now, then = (
+        stage_reward(agent.table, none, agent.discriminators.bonus(seen, none), agent.settings)
+        for seen in (batch.observation, batch.next_observation)
+    )
+    gamma = agent.settings.gamma
+    expected = now + gamma * torch.maximum(value[..., 0], then + gamma * value[..., 1])
+    found = agent.target(batch, options, value)
+    assert torch.allclose(found[waits], expected[waits])
+
+
 def test_letters_in_the_replay_are_those_of_the_state_arrived_in() -> None:
     _, agent = learner(until=50)
     batch = agent.layout.unpack(agent.replay.rows[:, :50])

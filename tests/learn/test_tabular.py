@@ -47,11 +47,16 @@ def test_segment_makes_acceptance_the_beginning_of_the_next_segment() -> None:
 
 def test_demonstrated_values_are_lower_bounds_of_the_exact_ones() -> None:
     path = [1.0, 2, 3, 4, 3, 2, 1, 0, 1, 1, 2]
-    for ldba in (RING, STAY, RISKY):
+    for ldba, epsilon in ((RING, "free"), (STAY, "free"), (STAY, "step"), (RISKY, "free")):
         for kind in ("constant", "live"):
             for entry in (False, True):
                 made = task(
-                    ldba, accepting_target=kind, exact_entry=entry, demo_replay=0.5, beta=0.3
+                    ldba,
+                    epsilon=epsilon,
+                    accepting_target=kind,
+                    exact_entry=entry,
+                    demo_replay=0.5,
+                    beta=0.3,
                 )
                 agent = make_loop(made, demos(path, path[4:]), labels_of(ldba)).agent
                 assert isinstance(agent, TabularAgent)
@@ -113,6 +118,39 @@ def test_greedy_decisions_take_no_random_numbers() -> None:
     found.act(seen, np.zeros((2, 4), np.int64), greedy=True)
     found.choose(seen, np.tile([0, 1], (2, 4, 1)), greedy=True)
     assert torch.equal(before, found.generator.get_state())
+
+
+def test_actions_are_drawn_from_the_policy_of_a_temperature() -> None:
+    """π ∝ exp(Q / α): with Q = (1, 0, 0) and α = ½ it is (e², 1, 1) / (e² + 2) = (0.787, …)."""
+    found = agent(seeds=1, exploration=0.0, entropy=0.5)
+    found.q[..., 0] = 1
+    seen, states = np.zeros((1, 20_000, 1), np.float32), np.zeros((1, 20_000), np.int64)
+    shares = np.bincount(found.act(seen, states, greedy=False)[0] - 10, minlength=3) / 20_000
+    assert shares.tolist() == pytest.approx([0.787, 0.1065, 0.1065], abs=0.01)
+    assert (found.act(seen, states, greedy=True) == 10).all()
+
+
+def test_a_tuned_temperature_gives_each_seed_the_wanted_entropy() -> None:
+    found = agent(
+        entropy="tuned", target_entropy=0.5, critic_rate=0.1, learning_rate=1e-9, optimistic=False
+    )
+    found.q[0, ..., 0], found.q[1, ..., 0] = 1, 3
+    at, moved = np.zeros((2, 1, 1), np.float32), np.array([[10], [10]])
+    nowhere = np.zeros((2, 1), np.int64)
+    found.record(at, moved, at, nowhere, nowhere, nowhere > 0)
+    for _ in range(300):
+        found.learn(0)
+    policy = (found.q[:, 0, 0] / found.alpha[:, None]).softmax(-1)
+    assert (-(policy * policy.log()).sum(-1)).tolist() == pytest.approx([0.5, 0.5], abs=0.01)
+    assert found.alpha[1] / found.alpha[0] == pytest.approx(3, rel=0.05)
+    other = agent(entropy="tuned", target_entropy=0.5)
+    other.load_policy(found.policy())
+    assert torch.equal(other.alpha, found.alpha)
+
+
+def test_no_policy_on_a_table_has_a_negative_entropy_so_then_there_is_no_temperature() -> None:
+    assert agent(entropy="tuned", target_entropy=-3.0).alpha.tolist() == [0, 0]
+    assert agent(entropy=0.3).alpha.tolist() == pytest.approx([0.3, 0.3])
 
 
 def test_a_share_of_actions_is_random_while_learning() -> None:

@@ -5,9 +5,10 @@ The product of the model and the automaton is walked backwards from the horizon:
     V_h(s, b) = max over actions a of W_h(s'),   s' = successor(s, a),
     W_h(s')   = max over b' in options(b, L(s')) of [b' accepting] + V_{h-1}(s', b'),
 
-so ε-jumps are chosen as well as actions can choose them. What is counted is what the evaluation
-counts: accepting automaton states arrived in at steps 1 to T. The state after the first label is
-none of them.
+so ε-jumps are chosen as well as actions can choose them. Where jumps take a step, b' = δ(b, L(s'))
+with h − 1 steps left may also go on to each jump target c, for [c accepting] + V_{h-2}(s', c).
+What is counted is what the evaluation counts: accepting automaton states arrived in at steps 1 to
+T. The state after the first label is none of them.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy.typing as npt
 
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.product.walk import walk_tables
+from tiloilc.spec.settings import Epsilon
 
 if TYPE_CHECKING:
     from tiloilc.tasks import FiniteModel
@@ -56,15 +58,23 @@ class BestEpisode:
     automaton_states: Int
 
 
-def optimum(model: FiniteModel, letters: Int, ldba: Ldba, horizon: int) -> Optimum:
+def optimum(
+    model: FiniteModel, letters: Int, ldba: Ldba, horizon: int, epsilon: Epsilon = "free"
+) -> Optimum:
     """The optimum of `model`, whose state s is labelled `letters[s]`, in `horizon` steps."""
-    options = _options(ldba, letters)
-    accepting = _accepting(ldba)
+    walk = walk_tables(ldba, epsilon)
+    options, accepting = walk.options[:, letters], _accepting(ldba)
     value = np.zeros((len(letters), len(ldba.states)), np.int32)
+    later = value - 1 - accepting.max(initial=0)  # with no step left nobody jumps
     for _ in range(horizon):
-        value = _backward(model, _arrival(value, options, accepting))
-    start = value[model.initial[:, None], options[ldba.initial, model.initial]].max(axis=1)
-    return Optimum(float(start.mean()), model.exact, model.how)
+        arrival = _arrival(value, options, accepting, later if walk.costly else None)
+        value, later = _backward(model, arrival), value
+    start, first = model.initial[:, None], options[ldba.initial, model.initial]
+    best = value[start, first].max(axis=1)
+    if walk.costly:
+        jumped = (later + accepting)[start, first].max(axis=1)
+        best = np.maximum(value[start, first[:, :1]][:, 0], jumped)
+    return Optimum(float(best.mean()), model.exact, model.how)
 
 
 def best_episode(
@@ -93,7 +103,12 @@ def best_episode(
 
 
 def task_optimum(
-    environment: str, kwargs: Mapping[str, Any], labels: Labels, ldba: Ldba, horizon: int
+    environment: str,
+    kwargs: Mapping[str, Any],
+    labels: Labels,
+    ldba: Ldba,
+    horizon: int,
+    epsilon: Epsilon = "free",
 ) -> Optimum | None:
     """The optimum of an environment that publishes a finite model; None if it does not.
 
@@ -109,7 +124,7 @@ def task_optimum(
     if model is None or model.successor.size * len(ldba.states) * horizon > MAX_WORK:
         return None
     observations = model.observations.astype(np.float32)
-    return optimum(model, labels(observations), ldba, horizon)
+    return optimum(model, labels(observations), ldba, horizon, epsilon)
 
 
 def _options(ldba: Ldba, letters: Int) -> Int:
@@ -122,11 +137,21 @@ def _accepting(ldba: Ldba) -> Value:
     return np.array([b in ldba.accepting for b in ldba.states], np.int32)
 
 
-def _arrival(value: Value, options: Int, accepting: Value) -> Value:
-    """W: the worth of arriving in s while in b, [n, B], from the worth of being there, [n, B]."""
+def _arrival(value: Value, options: Int, accepting: Value, later: Value | None = None) -> Value:
+    """W: the worth of arriving in s while in b, [n, B], from the worth of being there, [n, B].
+
+    `later` is the worth of being there with one step less, where jumps take one.
+    """
     state = np.arange(len(value))[:, None]
     worth = value + accepting
-    return np.stack([worth[state, options[b]].max(axis=1) for b in range(len(options))], axis=1)
+    if later is None:
+        return np.stack([worth[state, row].max(axis=1) for row in options], axis=1)
+    jumped = later + accepting
+    best = [
+        np.maximum(worth[state, row[:, :1]][:, 0], jumped[state, row].max(axis=1))
+        for row in options
+    ]
+    return np.stack(best, axis=1)
 
 
 def _backward(model: FiniteModel, arrival: Value) -> Value:

@@ -19,7 +19,6 @@ from tiloilc.evaluate.optimum import Optimum, task_optimum
 from tiloilc.evaluate.rollout import Arena, Rollout
 from tiloilc.learn import EVENTS, Labels, Metrics, Policy, last_events, load_policy, make_loop
 from tiloilc.plan import Plan, digest
-from tiloilc.product import walk_tables
 from tiloilc.spec.settings import Settings
 
 GAMMA = 0.99
@@ -121,14 +120,11 @@ def _steps(settings: Settings) -> int:
 
 
 def task_optimum_of(plan: Plan, labels: Labels) -> Optimum | None:
-    """The best that any policy can do, where the environment says enough to compute it.
-
-    It is that of jumps that are free: what a plan whose jumps take steps can do is not computed.
-    """
-    environment = plan.environment
-    if walk_tables(plan.ldba, plan.train.epsilon).costly:
-        return None
-    return task_optimum(environment.id, environment.kwargs, labels, plan.ldba, environment.horizon)
+    """The best that any policy can do, where the environment says enough to compute it."""
+    environment, epsilon = plan.environment, plan.train.epsilon
+    return task_optimum(
+        environment.id, environment.kwargs, labels, plan.ldba, environment.horizon, epsilon
+    )
 
 
 def optimum_json(optimum: Optimum | None) -> dict[str, object] | None:

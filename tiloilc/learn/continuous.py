@@ -276,7 +276,9 @@ class SacAgent:
 
     def policy(self) -> State:
         """What acting needs; each tensor's first axis counts seeds, or seeds times two."""
-        return self.sac.policy()
+        if not (self.walk.costly and self.judges):
+            return self.sac.policy()
+        return {**self.sac.policy(), **with_prefix("judges", self.discriminators.policy())}
 
     def fixed(self) -> State:
         """Scales of observations and actions, and what is known of each automaton state."""
@@ -292,6 +294,8 @@ class SacAgent:
     def load_policy(self, state: State) -> None:
         """Take what `policy` gave."""
         self.sac.load_policy(state)
+        if self.walk.costly and self.judges:  # jumps that take a step are paid by them
+            self.discriminators.load_policy(under("judges", state))
 
     def rings(self) -> dict[str, Ring]:
         """The replay's rows and the stage buffers' states."""

@@ -201,22 +201,29 @@ class Discriminators:
             ready = held[:, 1]
         return torch.cat([positive, drawn[:, 1]], dim=2), ready
 
-    def state(self) -> State:
-        """Everything but the stage buffers."""
+    def policy(self) -> State:
+        """What f needs; the first axis of each tensor is a multiple of the seeds."""
         return {
             **self.nets.state("nets"),
-            **self.adam.state("adam"),
             "norm.mean": self.norm.mean,
             "norm.square": self.norm.square,
-            "norm.count": self.norm.count,
             "trained": self.trained,
         }
 
-    def load(self, state: State) -> None:
-        """Take what `state` gave."""
+    def load_policy(self, state: State) -> None:
+        """Take what `policy` gave."""
         self.nets.load(state, "nets")
-        self.adam.load(state, "adam")
         self.norm.mean.copy_(state["norm.mean"])
         self.norm.square.copy_(state["norm.square"])
-        self.norm.count.copy_(state["norm.count"])
         self.trained.copy_(state["trained"])
+
+    def state(self) -> State:
+        """Everything but the stage buffers."""
+        count = {"norm.count": self.norm.count}
+        return {**self.policy(), **self.adam.state("adam"), **count}
+
+    def load(self, state: State) -> None:
+        """Take what `state` gave."""
+        self.load_policy(state)
+        self.adam.load(state, "adam")
+        self.norm.count.copy_(state["norm.count"])

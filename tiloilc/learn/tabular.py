@@ -174,7 +174,8 @@ class TabularAgent:
 
     def policy(self) -> State:
         """What acting needs; each tensor's first axis counts seeds."""
-        return {"q": self.q, "alpha": self.alpha}
+        judges = {"values": self.discriminators.values} if self.walk.costly else {}
+        return {"q": self.q, "alpha": self.alpha, **judges}
 
     def fixed(self) -> State:
         """How cells are numbered, and what is known of cells and automaton states."""
@@ -191,6 +192,8 @@ class TabularAgent:
         """Take what `policy` gave."""
         self.q.copy_(state["q"])
         self.alpha.copy_(state["alpha"])
+        if self.walk.costly:  # jumps that take a step are paid by them
+            self.discriminators.values.copy_(state["values"])
 
     def rings(self) -> dict[str, Ring]:
         """None: counts are kept instead of rows."""
@@ -201,7 +204,7 @@ class TabularAgent:
         seed, state = torch.arange(self.settings.seeds), torch.arange(self.walk.states)
         cell = torch.from_numpy(self._cells(observations))
         return torch.stack(
-            [self._reward(s.expand(len(cell)), cell, state.expand(len(cell), -1)).T for s in seed]
+            [self._reward(s.expand(1, 1), cell[:, None], state[None]).T for s in seed]
         )
 
     def state(self) -> State:
