@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from tests.learn.examples import beyond, cell_is, demos, plan
+from tests.learn.examples import beyond, cell_is, demos, generator, plan
 from tests.plan.automata import chain, flatworld_cycle, stabilization
 from tiloilc.demos import Demo, DemoSet
 from tiloilc.diag import CompileError
@@ -88,15 +88,30 @@ def test_networks_see_scaled_states_and_b_as_one_hot() -> None:
     x = agent.encode(torch.zeros(2, 3, 2), torch.tensor([[0, 1, 2]] * 2))
     assert x.shape == (2, 3, 2 + 3)
     assert x[0, :, 2:].tolist() == torch.eye(3).tolist()
-    assert torch.equal(x[0, 0, :2], -agent.middle / agent.half)
+    assert torch.equal(x[0, 0, :2], -agent.encode.middle / agent.encode.half)
 
 
 def test_bounded_observations_are_scaled_by_their_bounds() -> None:
     made = plan(STAY, "tiloilc/FlatWorld-v0")
     agent = make_loop(made, DemoSet(()), beyond(9, 9)).agent
     assert isinstance(agent, SacAgent)
-    assert agent.middle.tolist() == pytest.approx([0, 0])
-    assert (agent.half > 1).all()
+    assert agent.encode.middle.tolist() == pytest.approx([0, 0])
+    assert (agent.encode.half > 1).all()
+
+
+def test_what_acts_in_numpy_is_the_policy_that_learns() -> None:
+    _, agent = learner(until=70)
+    seen = np.random.default_rng(0).normal(size=(2, 5, 2)).astype(np.float32)
+    states = np.array([[0, 1, 2, 0, 1]] * 2)
+    x = agent.encode(torch.from_numpy(seen), torch.from_numpy(states))
+    assert np.allclose(agent.encode.on_host(seen, states), x.numpy(), atol=1e-6)
+    found = agent.act(seen, states, greedy=True)
+    assert found.dtype == np.float32
+    assert np.allclose(found, 1 + 3 * agent.sac.mean_action(x).numpy(), atol=1e-5)
+    noise = torch.randn(2, 5, 1, generator=generator(3))
+    drawn = agent.sac.act(x.numpy(), noise.numpy())
+    assert np.allclose(drawn, agent.sac.sample(x, noise).action.numpy(), atol=1e-5)
+    assert not np.allclose(agent.act(seen, states, greedy=False), found, atol=1e-2)
 
 
 # targets
@@ -150,7 +165,7 @@ def test_targets_are_equation_4_with_the_soft_value_of_the_next_state(
         return torch.zeros(2)
 
     monkeypatch.setattr(agent.sac, "update_critics", critics)
-    agent._update(chance, torch.tensor(0.0))
+    agent._update(chance)
     assert seen == [True]
 
 
@@ -306,7 +321,7 @@ def test_the_cloning_loss_fades_to_nothing(monkeypatch: pytest.MonkeyPatch) -> N
     seen = []
 
     def actor(x: torch.Tensor, drawn: object, imitated: Imitated) -> torch.Tensor:
-        seen.append(float(imitated.weight))
+        seen.append(float(imitated.weight))  # one tensor, filled anew
         assert imitated.action.shape == (2, 4, 1)
         return torch.zeros(2)
 

@@ -66,8 +66,10 @@ def open_job(
         yield Job(plan, demos, labeller(plan), where)
 
 
-def settings_given(pairs: Sequence[str], steps: str | None, seeds: int | None) -> dict[str, object]:
-    """The settings of the command line: `--set K=V` and the two that have options of their own."""
+def settings_given(
+    pairs: Sequence[str], steps: str | None, seeds: int | None, device: str | None = None
+) -> dict[str, object]:
+    """The settings of the command line: `--set K=V` and those that have options of their own."""
     changes: dict[str, object] = {}
     for pair in pairs:
         name, equals, value = pair.partition("=")
@@ -78,6 +80,8 @@ def settings_given(pairs: Sequence[str], steps: str | None, seeds: int | None) -
         changes["steps"] = steps
     if seeds is not None:
         changes["seeds"] = seeds
+    if device is not None:
+        changes["device"] = device
     return changes
 
 

@@ -17,7 +17,7 @@ from tiloilc.cli.jobs import (
     settings_given,
     train_job,
 )
-from tiloilc.cli.train import Resume, Runs, Seeds, Set, Steps
+from tiloilc.cli.train import Device, Resume, Runs, Seeds, Set, Steps
 from tiloilc.cli.verdict import verdict
 
 Record = Annotated[
@@ -32,6 +32,7 @@ def command(
     ],
     steps: Steps = None,
     seeds: Seeds = None,
+    device: Device = None,
     changes: Set = None,
     resume: Resume = False,
     runs: Runs = RUNS,
@@ -55,7 +56,7 @@ def command(
     build = Path("build") / result.plan.name
     write_build(result, build)
     say(f"compiled to {build.as_posix()}", quiet)
-    with open_job(build, settings_given(changes or [], steps, seeds), quiet) as job:
+    with open_job(build, settings_given(changes or [], steps, seeds, device), quiet) as job:
         run = run_to_resume(build, job, runs) if resume else new_run(job, runs)
         say(f"training {job.plan.name}: {job.plan.train.seeds} seeds in {run.as_posix()}", quiet)
         seconds = train_job(job, run, resume, quiet)

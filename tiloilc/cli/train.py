@@ -14,6 +14,9 @@ Steps = Annotated[
     str | None, typer.Option("--steps", help="Environment steps per seed, instead of the plan's.")
 ]
 Seeds = Annotated[int | None, typer.Option("--seeds", min=1, help="Agents, instead of the plan's.")]
+Device = Annotated[
+    str | None, typer.Option("--device", metavar="auto|cpu|cuda", help="Where networks learn.")
+]
 Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="Change a setting; may be repeated."),
@@ -28,6 +31,7 @@ def command(
     ],
     steps: Steps = None,
     seeds: Seeds = None,
+    device: Device = None,
     changes: Set = None,
     resume: Resume = False,
     runs: Runs = RUNS,
@@ -38,7 +42,7 @@ def command(
     All seeds learn in one program. Prints the run folder. Ctrl-C writes a checkpoint and says how
     to go on.
     """
-    with open_job(plan, settings_given(changes or [], steps, seeds), quiet) as job:
+    with open_job(plan, settings_given(changes or [], steps, seeds, device), quiet) as job:
         run = run_to_resume(plan, job, runs) if resume else new_run(job, runs)
         say(f"training {job.plan.name}: {job.plan.train.seeds} seeds in {run.as_posix()}", quiet)
         train_job(job, run, resume, quiet)

@@ -214,5 +214,7 @@ RULES: dict[str, Rule] = _rules(
     Rule("RUN706", E, "nothing-to-evaluate", "the run `{path}` has no finished policy"),
     Rule("RUN707", E, "environment-failed", "the environment `{id}` failed: {problem}"),
     Rule("RUN708", E, "policy-not-available", "no such policy in the run `{path}`: {problem}"),
+    Rule("RUN709", E, "too-little-memory", "the run needs {needed}, and {available} are available"),
+    Rule("RUN710", E, "no-such-device", "cannot learn on `cuda`: {problem}"),
 )
 """All rules by code, in the order of their codes."""

@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from tiloilc.learn.cloning import clone, demonstrated_rows
+from tiloilc.learn.device import check_memory, memory_of
 from tiloilc.learn.discriminators import Discriminators, Draws, StageBuffers
+from tiloilc.learn.inputs import Inputs
+from tiloilc.learn.program import Program, Say, pays
 from tiloilc.learn.replay import Batch, Layout, Replay
 from tiloilc.learn.ring import Ring
 from tiloilc.learn.sac import Imitated, SoftActorCritic
@@ -31,6 +34,9 @@ from tiloilc.spec.settings import Settings
 if TYPE_CHECKING:
     from gymnasium.spaces import Box, Space
 
+
+HOST_SEED = 2**32
+"""Keeps the noise of actions apart from what learning draws."""
 
 RELABELLED = 0.5
 """How many steps of a batch are read from an automaton state drawn at random, with `relabel`."""
@@ -64,46 +70,49 @@ class SacAgent:
         action_space: Box,
         shown: Shown,
         generator: torch.Generator,
+        say: Say = lambda text: None,
     ) -> None:
         self.settings, self.walk, self.shown, self.generator = settings, walk, shown, generator
+        device = generator.device
+        self.host = torch.Generator().manual_seed(generator.initial_seed() + HOST_SEED)
         d, m = shown.observation.shape[1], int(np.prod(action_space.shape))
         self.low, self.high = action_space.low.reshape(-1), action_space.high.reshape(-1)
         self.action_shape = action_space.shape
-        self.table = StageTable.of(stages, walk, settings)
-        self.middle, self.half = _scale(observation_space, shown)
         self.layout = Layout(d, m)
-        self.options = torch.from_numpy(walk.options)
+        self.table = StageTable.of(stages, walk, settings).to(device)
+        self.encode = Inputs(observation_space, shown.positive, self.table.code, walk.states)
+        self.options = torch.from_numpy(walk.options).to(device)
         live = [b for b in range(walk.states) if b != walk.sink]
         self.live = self.table.code[live].unique()
+        seeds, buffers = settings.seeds, stages.sink_buffer + 1
+        self.sac = SoftActorCritic(seeds, d + walk.states, m, settings, generator)
+        self.memory = memory_of(settings, self.layout.width, d, buffers, self.sac.networks)
+        check_memory(self.memory, device, settings)
         capacity = min(settings.buffer_size, settings.steps)
-        self.replay = Replay(settings.seeds, capacity, self.layout.width)
-        self.buffers = StageBuffers(
-            settings.seeds, stages.sink_buffer + 1, min(settings.stage_buffer_size, capacity), d
-        )
-        self.discriminators = Discriminators(
-            stages, self.buffers, torch.from_numpy(shown.positive), settings, generator
-        )
+        self.replay = Replay(seeds, capacity, self.layout.width, device)
+        kept = min(settings.stage_buffer_size, capacity)
+        self.buffers = StageBuffers(seeds, buffers, kept, d, device)
+        positive = torch.from_numpy(shown.positive).to(device)
+        self.discriminators = Discriminators(stages, self.buffers, positive, settings, generator)
         wanted = settings.beta > 0 or not settings.stages
         self.judges = wanted and self.discriminators.stages > 0
-        self.sac = SoftActorCritic(settings.seeds, d + walk.states, m, settings, generator)
+        self.cloning_weight = torch.zeros((), device=device)
+        self.program = Program(self._update, pays(settings), say)
         self._show(None)
 
     def _show(self, rows: Tensor | None) -> None:
         """Have `rows` of demonstrations in every batch from now on, as many as wanted."""
-        self.demo_rows = rows
+        self.demo_rows = None if rows is None else rows.to(self.generator.device)
         share = self.settings.demo_replay if rows is not None else 0
         self.shown_rows = round(share * self.settings.batch_size)
 
-    def encode(self, observation: Tensor, state: Tensor) -> Tensor:
-        """The networks' input: s scaled and b as one-hot; [seed, n, d + states]."""
-        told = torch.nn.functional.one_hot(self.table.code[state], self.walk.states)
-        return torch.cat([(observation - self.middle) / self.half, told.float()], dim=-1)
-
     def act(self, observations: Floats, states: Int, greedy: bool) -> Floats:
         """Actions in the environment's units, [seed, copy, …]."""
-        x = self.encode(torch.from_numpy(observations), torch.from_numpy(states))
-        action = self.sac.mean_action(x) if greedy else self.sac.sample(x).action
-        return self._to_environment(action.numpy())
+        noise = None
+        if not greedy:
+            shape = (*states.shape, len(self.low))
+            noise = torch.randn(shape, generator=self.host).numpy()
+        return self._to_environment(self.sac.act(self.encode.on_host(observations, states), noise))
 
     def explore(self, rng: np.random.Generator, shape: tuple[int, int]) -> Floats:
         """Uniformly random actions, [seed, copy, …]."""
@@ -112,19 +121,24 @@ class SacAgent:
 
     def choose(self, observations: Floats, options: Int, greedy: bool) -> Int:
         """The option of greatest value (drawn by softmax of value / α while exploring)."""
-        offered = torch.from_numpy(options)
-        seen = torch.from_numpy(observations)
+        if (options == options[..., :1]).all():  # most often there is nothing to choose
+            return options[..., 0]
+        device = self.generator.device
+        offered = torch.from_numpy(options).to(device)
+        seen = torch.from_numpy(observations).to(device)
         x = self._encode_options(seen, offered)
         value = self.sac.greedy_value(x) if greedy else self.sac.soft_value(x)
         value = value.view_as(offered)
         value = option_values(self.table, offered, value, self.settings, self._wait(seen, offered))
         if not greedy:
-            noise = torch.rand(value.shape, generator=self.generator).clamp(1e-9, 1 - 1e-9)
+            noise = torch.rand(value.shape, generator=self.generator, device=device)
             alpha = self.sac.log_alpha.exp()[:, None, None]
             filled = offered == offered[..., :1]  # rows are filled up with their first option
             filled[..., 0] = False
-            value = (value - alpha * (-noise.log()).log()).masked_fill(filled, -torch.inf)
-        return offered.gather(-1, value.argmax(-1, keepdim=True)).squeeze(-1).numpy()
+            value = value - alpha * (-noise.clamp(1e-9, 1 - 1e-9).log()).log()
+            value = value.masked_fill(filled, -torch.inf)
+        chosen = offered.gather(-1, value.argmax(-1, keepdim=True))
+        return chosen.squeeze(-1).cpu().numpy()
 
     def _encode_options(self, observation: Tensor, options: Tensor) -> Tensor:
         """The networks' input for each option, [seed, n·K, d + states]."""
@@ -144,7 +158,7 @@ class SacAgent:
         flat = action.reshape(*state.shape, -1)
         scaled = 2 * (flat - self.low) / (self.high - self.low) - 1
         self.replay.add(self.layout.pack(observation, scaled, after, state, letter, terminal))
-        self.discriminators.norm.update(torch.from_numpy(after))
+        self.discriminators.norm.update(torch.from_numpy(after).to(self.generator.device))
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
         """Store a finished segment in its stage buffer."""
@@ -182,7 +196,8 @@ class SacAgent:
         self.sac.slow(1 - (1 - s.final_rate) * gone)
         if s.warm_start != "none":
             weight = max(1 - progress / max(s.warm_start_steps, 1), 0) / (1 - s.gamma)
-        return self._update(self._draw(), torch.tensor(weight, device=self.generator.device))
+        self.cloning_weight.fill_(weight)
+        return self.program(self._draw())
 
     def _draw(self) -> Chance:
         """What the next update needs of chance."""
@@ -206,11 +221,8 @@ class SacAgent:
         judged = self.discriminators.draw() if self.judges else None
         return Chance(rows, shown, state, noise, judged)
 
-    def _update(self, chance: Chance, weight: Tensor) -> dict[str, Tensor]:
-        """Algorithm 1, lines 16 to 24: discriminators, critics, actor and targets.
-
-        `weight` is what imitating the demonstrations in the batch still weighs.
-        """
+    def _update(self, chance: Chance) -> dict[str, Tensor]:
+        """Algorithm 1, lines 16 to 24: discriminators, critics, actor and targets."""
         losses = {}
         if chance.discriminators is not None:
             losses["discriminator"] = self.discriminators.update(chance.discriminators)
@@ -228,7 +240,7 @@ class SacAgent:
         losses["critic"] = self.sac.update_critics(x, batch.action, target)
         imitated = None
         if chance.shown is not None and self.settings.warm_start != "none":
-            imitated = Imitated(batch.action[:, : self.shown_rows], weight)
+            imitated = Imitated(batch.action[:, : self.shown_rows], self.cloning_weight)
         losses["actor"] = self.sac.update_actor(x, now, imitated)
         self.sac.follow()
         return losses
@@ -265,7 +277,7 @@ class SacAgent:
 
     def _reward(self, observation: Tensor, state: Tensor) -> Tensor:
         """Eq. 8 of (s, b) with today's discriminators, [seed, n]."""
-        bonus = torch.zeros(())
+        bonus = torch.zeros((), device=observation.device)
         if self.judges:
             bonus = self.discriminators.bonus(observation, self.table.code[state])
         return stage_reward(self.table, state, bonus, self.settings)
@@ -276,25 +288,26 @@ class SacAgent:
 
     def policy(self) -> State:
         """What acting needs; each tensor's first axis counts seeds, or seeds times two."""
-        if not (self.walk.costly and self.judges):
-            return self.sac.policy()
-        return {**self.sac.policy(), **with_prefix("judges", self.discriminators.policy())}
+        policy = self.sac.policy()
+        if self.walk.costly and self.judges:  # jumps that take a step are paid by them
+            policy |= with_prefix("judges", self.discriminators.policy())
+        return {name: tensor.cpu() for name, tensor in policy.items()}
 
     def fixed(self) -> State:
         """Scales of observations and actions, and what is known of each automaton state."""
         return {
-            "middle": self.middle,
-            "half": self.half,
+            "middle": self.encode.middle.cpu(),
+            "half": self.encode.half.cpu(),
             "low": torch.from_numpy(self.low.reshape(self.action_shape)),
             "high": torch.from_numpy(self.high.reshape(self.action_shape)),
-            "code": self.table.code,
-            "entry": exact_values(self.table, self.settings),
+            "code": self.table.code.cpu(),
+            "entry": exact_values(self.table, self.settings).cpu(),
         }
 
     def load_policy(self, state: State) -> None:
         """Take what `policy` gave."""
         self.sac.load_policy(state)
-        if self.walk.costly and self.judges:  # jumps that take a step are paid by them
+        if self.walk.costly and self.judges:
             self.discriminators.load_policy(under("judges", state))
 
     def rings(self) -> dict[str, Ring]:
@@ -304,8 +317,9 @@ class SacAgent:
     def rewards(self, observations: Floats) -> Tensor:
         """Eq. 8 of s [n, d] in each automaton state b, by today's discriminators: [seed, b, n]."""
         seeds, states, n = self.settings.seeds, self.walk.states, len(observations)
-        seen = torch.from_numpy(observations).repeat(states, 1).expand(seeds, -1, -1)
-        state = torch.arange(states).repeat_interleave(n).expand(seeds, -1)
+        device = self.generator.device
+        seen = torch.from_numpy(observations).to(device).repeat(states, 1).expand(seeds, -1, -1)
+        state = torch.arange(states, device=device).repeat_interleave(n).expand(seeds, -1)
         return self._reward(seen, state).view(seeds, states, n)
 
     def state(self) -> State:
@@ -316,6 +330,8 @@ class SacAgent:
             **with_prefix("stages", self.buffers.state()),
             **with_prefix("replay", self.replay.state()),
             "generator": self.generator.get_state(),
+            "host": self.host.get_state(),
+            "compiled": torch.tensor(self.program.compiled),
         }
         if self.demo_rows is not None:
             state["demo_rows"] = self.demo_rows
@@ -328,25 +344,11 @@ class SacAgent:
         self.buffers.load(under("stages", state))
         self.replay.load(under("replay", state))
         self.generator.set_state(state["generator"])
+        self.host.set_state(state["host"])
+        self.program.compiled = bool(state["compiled"])
         self._show(state.get("demo_rows"))
 
     def _to_environment(self, action: Floats) -> Floats:
         scaled = self.low + 0.5 * (action + 1) * (self.high - self.low)
         shape = (*action.shape[:2], *self.action_shape)
         return scaled.reshape(shape).astype(np.float32)
-
-
-def _scale(space: Space[Any], shown: Shown) -> tuple[Tensor, Tensor]:
-    """Middle and half-width of each observation: its bounds, or its spread in demonstrations."""
-    d = shown.positive.shape[1]
-    low, high = getattr(space, "low", None), getattr(space, "high", None)
-    if low is None or high is None:
-        low, high = np.full(d, -np.inf), np.full(d, np.inf)
-    low, high = low.reshape(-1), high.reshape(-1)
-    bounded = np.isfinite(low) & np.isfinite(high) & (high - low < 1e6)
-    seen = shown.positive if len(shown.positive) else np.zeros((1, len(low)), np.float32)
-    with np.errstate(invalid="ignore", over="ignore"):
-        middle = np.where(bounded, (low + high) / 2, seen.mean(0))
-        half = np.where(bounded, (high - low) / 2, seen.std(0))
-    half = np.where(half > 1e-6, half, 1.0)
-    return torch.from_numpy(middle.astype(np.float32)), torch.from_numpy(half.astype(np.float32))

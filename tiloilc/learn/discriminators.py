@@ -20,15 +20,22 @@ from tiloilc.spec.settings import Settings
 class StageBuffers:
     """Rings of states, one for each seed and stage: [seed, buffer, capacity, d]."""
 
-    def __init__(self, seeds: int, buffers: int, capacity: int, d: int) -> None:
-        self.states = torch.zeros(seeds, buffers, capacity, d)
-        self._view = self.states.numpy()
+    def __init__(
+        self,
+        seeds: int,
+        buffers: int,
+        capacity: int,
+        d: int,
+        device: torch.device | str = "cpu",
+    ) -> None:
+        self.states = torch.zeros(seeds, buffers, capacity, d, device=device)
         self.written = torch.zeros(seeds, buffers, dtype=torch.long)
 
     @property
     def counts(self) -> Tensor:
         """States held, [seed, buffer]."""
-        return self.written.clamp(max=self.states.shape[2])
+        held = self.written.clamp(max=self.states.shape[2])
+        return held.to(self.states.device, non_blocking=True)
 
     def add(self, seed: int, buffer: int, observations: Floats) -> None:
         """Store states [m, d], over the oldest ones when full."""
@@ -36,8 +43,9 @@ class StageBuffers:
         kept = observations[-capacity:]
         start = int(self.written[seed, buffer]) % capacity
         first = min(len(kept), capacity - start)
-        self._view[seed, buffer, start : start + first] = kept[:first]
-        self._view[seed, buffer, : len(kept) - first] = kept[first:]
+        ring, new = self.states[seed, buffer], torch.from_numpy(kept)
+        ring[start : start + first] = new[:first]
+        ring[: len(kept) - first] = new[first:]
         self.written[seed, buffer] += len(kept)
 
     def sample(self, unions: Tensor, uniform: Tensor) -> Tensor:

@@ -12,7 +12,9 @@ from tiloilc.demos import DemoSet, replay_all
 from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.learn.agent import Agent
 from tiloilc.learn.continuous import SacAgent
+from tiloilc.learn.device import pick_device
 from tiloilc.learn.loop import Loop
+from tiloilc.learn.program import Say
 from tiloilc.learn.shown import Shown, show
 from tiloilc.learn.tabular import TabularAgent
 from tiloilc.plan import Plan
@@ -21,7 +23,7 @@ from tiloilc.product import Copies, Floats, Int, Segmenter, Walk, walk_tables
 Labels = Callable[[Floats], Int]
 
 
-def make_loop(plan: Plan, demos: DemoSet, labels: Labels) -> Loop:
+def make_loop(plan: Plan, demos: DemoSet, labels: Labels, say: Say = lambda text: None) -> Loop:
     """The training loop of `plan` at step 0, all of it seeded by the plan's first seed.
 
     Sets torch and numpy's library to one thread: the many small products of stacked networks run
@@ -32,7 +34,7 @@ def make_loop(plan: Plan, demos: DemoSet, labels: Labels) -> Loop:
     settings, walk = plan.train, walk_tables(plan.ldba, plan.train.epsilon)
     copies = Copies(plan.environment, settings.seeds)
     shown = _shown(plan, demos, labels, walk, copies)
-    agent = make_agent(plan, walk, copies, shown)
+    agent = make_agent(plan, walk, copies, shown, say)
     segmenter = Segmenter(
         walk,
         plan.stages,
@@ -44,21 +46,25 @@ def make_loop(plan: Plan, demos: DemoSet, labels: Labels) -> Loop:
     return Loop(settings, plan.environment.horizon, walk, copies, labels, agent, segmenter)
 
 
-def make_agent(plan: Plan, walk: Walk, copies: Copies, shown: Shown) -> Agent:
+def make_agent(
+    plan: Plan, walk: Walk, copies: Copies, shown: Shown, say: Say = lambda text: None
+) -> Agent:
     """A fresh learner: tabular on finite environments, SAC on others, or as the plan says.
 
-    Raises CompileError JOB608 for spaces that the backbone cannot take.
+    Raises CompileError JOB608 for spaces that the backbone cannot take, RUN709 if there is too
+    little memory, RUN710 if the device is not there.
     """
     settings, stages = plan.train, plan.stages
-    generator = torch.Generator().manual_seed(settings.first_seed)
     seen, actions = copies.observation_space, copies.action_space
     backbone = settings.backbone
     if backbone == "auto":
         backbone = "tabular" if copies.finite else "sac"
     if backbone == "tabular" and copies.finite and isinstance(actions, spaces.Discrete):
+        generator = torch.Generator().manual_seed(settings.first_seed)
         return TabularAgent(settings, stages, walk, seen, actions, shown, generator)
     if backbone == "sac" and isinstance(actions, spaces.Box):
-        return SacAgent(settings, stages, walk, seen, actions, shown, generator)
+        generator = torch.Generator(pick_device(settings.device)).manual_seed(settings.first_seed)
+        return SacAgent(settings, stages, walk, seen, actions, shown, generator, say)
     raise CompileError(
         Diagnostic.of("JOB608", backbone=backbone, seen=str(seen), actions=str(actions))
     )

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from tiloilc.learn.state import State
@@ -137,6 +138,15 @@ class StackedMLP:
                 x = x.relu_()
                 normal.append(x)
         return x, Tape(tuple(inputs), tuple(normal), tuple(deviations))
+
+    def on_host(self, x: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Inputs [stack, n, in] to outputs in numpy, a quarter of the time for few rows."""
+        if self.flat.device.type != "cpu" or self.layer_norm:
+            return self(torch.from_numpy(x).to(self.flat)).cpu().numpy()
+        *hidden, (weight, bias) = [(w.numpy(), b.numpy()) for w, b in self._layers]
+        for inner, shift in hidden:
+            x = np.maximum(np.matmul(x, inner) + shift, 0)
+        return np.asarray(np.matmul(x, weight) + bias)
 
     def backward(self, tape: Tape, slope: Tensor) -> Tensor:
         """The slope at `flat` of a loss that has `slope` [stack, n, out] at the outputs.

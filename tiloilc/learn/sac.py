@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import softplus
 
@@ -73,6 +75,20 @@ class SoftActorCritic:
         self.actor_adam = Adam(self.actor.flat, s.actor_rate)
         self.critic_adam = Adam(self.critics.flat, s.critic_rate)
         self.alpha_adam = Adam(self.log_alpha, s.critic_rate)
+
+    @property
+    def networks(self) -> list[tuple[int, ...]]:
+        """The height of each stack and its layers' widths."""
+        return [(nets.stack, *nets.sizes) for nets in (self.actor, self.critics)]
+
+    def act(self, x: NDArray[np.float32], noise: NDArray[np.float32] | None) -> NDArray[np.float32]:
+        """Actions for x [seed, n, in] in numpy: greedy ones, or with `noise` [seed, n, m]."""
+        out = self.actor.on_host(x)
+        mean, raw = out[..., : self.actions], out[..., self.actions :]
+        if noise is not None:
+            log_std = LOG_STD_MIN + HALF_RANGE * (np.tanh(raw) + 1)
+            mean = np.add(mean, np.exp(log_std) * noise, dtype=mean.dtype)
+        return np.tanh(mean)
 
     def reset_optimisers(self) -> None:
         """Forget all momentum: for the moment when a loss changes its meaning."""

@@ -44,6 +44,16 @@ class StageTable:
             torch.tensor(code),
         )
 
+    def to(self, device: torch.device) -> StageTable:
+        """The same on a device."""
+        return StageTable(
+            self.index.to(device),
+            self.length.to(device),
+            self.accepting.to(device),
+            self.sink.to(device),
+            self.code.to(device),
+        )
+
 
 def _reads_as(walk: Walk, state: int) -> int:
     """The first non-accepting state with the same options as accepting `state`, or itself."""

@@ -87,9 +87,9 @@ def train(
     checkpoint is written and the outcome is interrupted. Killed at any moment, a run goes on from
     its last checkpoint to the same events and weights as one that was never killed.
 
-    Raises CompileError RUN701 to RUN705.
+    Raises CompileError RUN701 to RUN705, RUN709 and RUN710.
     """
-    session = _Session(plan, run, make_loop(plan, demos, labels), Best(plan.train.seeds))
+    session = _Session(plan, run, make_loop(plan, demos, labels, say), Best(plan.train.seeds))
     kept = session.restore(say) if resume else 0
     settings, loop = plan.train, session.loop
     last = settings.learning_starts if settings.algorithm == "cloning" else settings.steps

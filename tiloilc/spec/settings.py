@@ -132,6 +132,14 @@ class Settings(Model):
         "means α = 0",
     )
 
+    device: Literal["auto", "cpu", "cuda"] = Field(
+        description="where networks learn; `auto`: on the GPU, if there is one that torch can use"
+    )
+    compile: Literal["auto", "never", "always"] = Field(
+        description="compile the update, where there is a C++ compiler; `auto`: for 50,000 updates "
+        "or more, so that the minute it takes pays"
+    )
+
     learning_rate: Rate = Field(description="step size of tabular Q-learning (table 5)")
     exploration: Share = Field(description="share of random actions in tabular Q-learning")
     optimistic: Literal["auto"] | bool = Field(
@@ -205,6 +213,8 @@ PAPER: MappingProxyType[str, object] = MappingProxyType(
         "layer_norm": False,
         "entropy": 0.2,
         "target_entropy": -1.0,
+        "device": "auto",
+        "compile": "auto",
         "learning_rate": 3e-4,
         "exploration": 0.2,
         "optimistic": False,
