@@ -48,5 +48,17 @@ def test_a_row_has_the_spread_over_seeds_and_the_bound() -> None:
 
 def test_other_settings_are_another_row() -> None:
     records = split_seeds(evaluation([2.0]), "spec")
-    records += split_seeds(evaluation([3.0], overrides={}), "spec")
+    records += split_seeds(evaluation([3.0], overrides={"gamma": 0.9}), "spec")
     assert len(results_page(records).splitlines()) == len(results_page([]).splitlines()) + 2
+
+
+def test_rows_that_differ_in_one_setting_are_compared() -> None:
+    records = split_seeds(evaluation([3.0] * 5, overrides={"gamma": 0.9}), "spec")
+    records += split_seeds(evaluation([1.0] * 5, overrides={"gamma": 0.9, "beta": 0.0}), "spec")
+    records += split_seeds(evaluation([2.0] * 5, overrides={"beta": 0.0, "tau": 0.1}), "spec")
+    records += split_seeds(evaluation([2.0], overrides={}, steps=2000), "spec")
+    _, found, compared = results_page(records).partition("One thing changed")
+    assert found
+    (row,) = (line for line in compared.splitlines() if line.startswith("| `demo`"))
+    assert "| tiloil default gamma=0.9 | beta=0.0 | 3.00 ± 0.00 | 1.00 ± 0.00 |" in row
+    assert row.endswith("| -2.00 [-2.00, -2.00] |")

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tiloilc.evaluate import Record, generator, read, summarise
+from tiloilc.evaluate import Record, generator, read, stratified_bootstrap, summarise
 
 HEAD = """\
 # Results
@@ -21,6 +21,14 @@ seed's best policy by validation episodes; mean ± standard deviation, then the 
 with its 95 % bootstrap interval. *At the end* is the last policy, *cloning* the one before
 reinforcement learning began. *Violations* are episodes that enter a sink. Demonstrations are
 state-only unless a row says otherwise. An optimum with ≥ is a lower bound, reached by real actions.
+
+"""
+
+PAIRS = """
+## One thing changed
+
+Rows above of one task that differ in one setting only, and by how much the mean of their visits
+differs, with its 95 % bootstrap interval: what keeps clear of 0 is more than chance among seeds.
 
 """
 
@@ -37,6 +45,8 @@ COLUMNS = (
     "optimum",
 )
 
+PAIR_COLUMNS = ("task", "settings", "changed", "visits before", "visits after", "difference [95 %]")
+
 
 def results_page(records: Iterable[Record]) -> str:
     """The page as Markdown; the same records give the same text."""
@@ -44,22 +54,60 @@ def results_page(records: Iterable[Record]) -> str:
     for record in records:
         fields = record.fields
         groups.setdefault((str(fields["name"]), _settings(fields)), []).append(fields)
-    lines = [" | ".join(COLUMNS), " | ".join("---" for _ in COLUMNS)]
-    lines += [" | ".join(_row(*key, groups[key])) for key in sorted(groups)]
-    return HEAD + "".join(f"| {line} |\n" for line in lines)
+    page = HEAD + _table(COLUMNS, [_row(*key, groups[key]) for key in sorted(groups)])
+    pairs = [_pair(groups[a], groups[b]) for a in sorted(groups) for b in sorted(groups)]
+    rows = [row for row in pairs if row]
+    return page + (PAIRS + _table(PAIR_COLUMNS, rows) if rows else "")
+
+
+def _table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [columns, ["---"] * len(columns), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def _pair(
+    group: Sequence[Mapping[str, object]], other: Sequence[Mapping[str, object]]
+) -> list[str]:
+    """What one more setting than `group` has made of `other`; empty if it is not just one."""
+    name, had, has = group[0]["name"], _overrides(group[0]), _overrides(other[0])
+    alike = all(group[0][k] == other[0][k] for k in ("name", "algorithm", "preset", "steps"))
+    more = has.keys() - had.keys()
+    if not alike or len(more) != 1 or {k: v for k, v in has.items() if k in had} != had:
+        return []
+    before, after = (_values(g, "greedy", "accepting_visits") for g in (group, other))
+    n = len(before)
+
+    def difference(drawn: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(drawn[..., n:].mean(-1) - drawn[..., :n].mean(-1))
+
+    interval = stratified_bootstrap([before, after], difference, generator())
+    return [
+        f"`{name}`",
+        _words(group[0]),
+        _named({k: has[k] for k in more}),
+        _spread(before),
+        _spread(after),
+        f"{after.mean() - before.mean():+.2f} [{interval.low:+.2f}, {interval.high:+.2f}]",
+    ]
 
 
 def _settings(fields: Mapping[str, object]) -> str:
     """What a run was made with: algorithm, preset, what differs from it, steps."""
+    return f"{_words(fields)}, {fields['steps']} steps"
+
+
+def _words(fields: Mapping[str, object]) -> str:
+    return f"{fields['algorithm']} {fields['preset']} {_named(_overrides(fields))}".strip()
+
+
+def _named(overrides: Mapping[str, object]) -> str:
+    return " ".join(f"{name}={json.dumps(value)}" for name, value in sorted(overrides.items()))
+
+
+def _overrides(fields: Mapping[str, object]) -> dict[str, object]:
     overrides = fields.get("overrides")
     assert isinstance(overrides, Mapping)
-    words = [str(fields["algorithm"]), str(fields["preset"])]
-    words += [
-        f"{name}={json.dumps(value)}"
-        for name, value in sorted(overrides.items())
-        if name not in ("seeds", "first_seed")
-    ]
-    return f"{' '.join(words)}, {fields['steps']} steps"
+    return {k: v for k, v in overrides.items() if k not in ("seeds", "first_seed")}
 
 
 def _row(name: str, settings: str, group: Sequence[Mapping[str, object]]) -> list[str]:
