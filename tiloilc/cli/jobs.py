@@ -228,13 +228,14 @@ def _alone(run: Path) -> Iterator[None]:
 
 
 def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]:
-    """Evaluate a finished run by the protocol; writes `eval.json` and trajectories, returns it."""
+    """Evaluate a finished run by the protocol; writes `eval.json` and arrays, returns it."""
     import io
 
     import numpy as np
 
     from tiloilc.driver import write_file
     from tiloilc.evaluate import protocol
+    from tiloilc.evaluate.landscape import REWARDS, landscape
 
     about = {
         "overrides": job.plan.train.overrides(),
@@ -246,10 +247,15 @@ def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]
     evaluation, trajectories = protocol.evaluate_run(
         job.plan, job.demos, job.labels, run, episodes or job.plan.evaluate.episodes, about
     )
-    if trajectories:
-        buffer = io.BytesIO()
-        np.savez_compressed(buffer, allow_pickle=False, **trajectories)
-        write_file(run / protocol.TRAJECTORIES, buffer.getvalue())
+    arrays = {
+        protocol.TRAJECTORIES: trajectories,
+        REWARDS: landscape(job.plan, job.demos, job.labels, run),
+    }
+    for name, found in arrays.items():
+        if found:
+            buffer = io.BytesIO()
+            np.savez_compressed(buffer, allow_pickle=False, **found)
+            write_file(run / name, buffer.getvalue())
     write_file(run / protocol.EVAL, protocol.dump(evaluation))
     return evaluation
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import time
 from types import TracebackType
@@ -39,7 +40,8 @@ class Progress:
         if seen.metrics is not None:
             self._print(self._judged(seen, seen.metrics), keep=True)
         elif self.moves and now - self.drawn >= REDRAW:
-            self._print(self._bar(seen, now), keep=False)
+            columns = shutil.get_terminal_size().columns
+            self._print(self._bar(seen, columns), keep=False)
             self.drawn = now
 
     def _judged(self, seen: Watched, metrics: Metrics) -> str:
@@ -52,17 +54,26 @@ class Progress:
             f"  stages {self._stages(seen)}  {self._speed(seen)}"
         )
 
-    def _bar(self, seen: Watched, now: float) -> str:
+    def _bar(self, seen: Watched, columns: int) -> str:
+        """The moving line: as many of its parts as fit, the first ones before the others."""
         done = round(24 * seen.step / seen.steps)
         tally = seen.tally
         episodes = max(int(tally.episodes.sum()), 1)
         what = "exploring" if seen.exploring else "learning"
-        return (
-            f"{what:>9} [{'━' * done}{' ' * (24 - done)}] {seen.step:,}/{seen.steps:,}"
-            f"  visits/episode {tally.visits.sum() / episodes:.2f}"
-            f"  violations {tally.violations.sum() / episodes:.0%}"
-            f"  stages {self._stages(seen)}  {self._speed(seen)}"
+        parts = (
+            (1, f"{what:>9}"),
+            (6, f"[{'━' * done}{' ' * (24 - done)}]"),
+            (0, f"{seen.step:,}/{seen.steps:,}"),
+            (3, f" visits/episode {tally.visits.sum() / episodes:.2f}"),
+            (5, f" violations {tally.violations.sum() / episodes:.0%}"),
+            (4, f" stages {self._stages(seen)}"),
+            (2, f" {self._speed(seen)}"),
         )
+        for most in range(len(parts), -1, -1):
+            line = " ".join(text for rank, text in parts if rank < most)
+            if len(line) < columns:
+                return line.strip()
+        return ""
 
     def _stages(self, seen: Watched) -> str:
         """How much time is spent in each live automaton state, as a small histogram."""
@@ -71,10 +82,13 @@ class Progress:
         return "".join(BLOCKS[round(8 * int(c) / most)] for c in counts)
 
     def _speed(self, seen: Watched) -> str:
-        seconds = max(time.monotonic() - self.began, 1e-3)
-        speed = max((seen.step - (self.first or 0)) / seconds, 1e-9)
-        left = (seen.steps - seen.step) / speed
-        return f"{speed:,.0f} steps/s  {int(left // 60)}:{int(left % 60):02d} left"
+        taken = seen.step - (self.first or 0)
+        if taken <= 0:
+            return "speed not known yet"
+        speed = taken / max(time.monotonic() - self.began, 1e-3)
+        minutes, seconds = divmod(round((seen.steps - seen.step) / speed), 60)
+        hours = f"{minutes // 60}:{minutes % 60:02d}" if minutes >= 60 else str(minutes)
+        return f"{speed:,.0f} steps/s  {hours}:{seconds:02d} left"
 
     def _print(self, line: str, keep: bool) -> None:
         """Write over the moving line, if there is one."""

@@ -13,6 +13,7 @@ from tiloilc.learn.train import (
     Watched,
     load_policy,
     train,
+    trained_agent,
 )
 
 __all__ = [
@@ -31,4 +32,5 @@ __all__ = [
     "make_agent",
     "make_loop",
     "train",
+    "trained_agent",
 ]

@@ -9,14 +9,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import FrameType
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import torch
 from safetensors.torch import load_file, save
 
 from tiloilc.demos import DemoSet
 from tiloilc.diag import CompileError, Diagnostic
-from tiloilc.learn.agent import Policy
+from tiloilc.learn.agent import Agent, Policy
 from tiloilc.learn.best import Best
 from tiloilc.learn.board import Board
 from tiloilc.learn.checkpoint import (
@@ -32,6 +32,9 @@ from tiloilc.learn.loop import Loop
 from tiloilc.learn.state import State, under, with_prefix
 from tiloilc.learn.tally import Tally
 from tiloilc.plan import Plan, digest
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Space
 
 EVENTS, CHECKPOINTS = "events.jsonl", "checkpoints"
 POLICIES = ("cloning", "best", "last")
@@ -135,6 +138,22 @@ def load_policy(run: Path, name: str) -> State | None:
         raise CompileError(
             Diagnostic.of("RUN701", path=run.as_posix(), problem=f"{path.name} is damaged")
         ) from error
+
+
+def trained_agent(
+    plan: Plan, demos: DemoSet, labels: Labels, run: Path
+) -> tuple[Space[Any], Agent] | None:
+    """The agent as the last checkpoint in the folder `run` holds it, but for the rows of its rings.
+
+    Before it stands the space of its observations. None without a checkpoint. Raises CompileError
+    RUN701 if none is whole, RUN704 if it is of another plan.
+    """
+    checkpoint = load_checkpoint(run / CHECKPOINTS, digest(plan))
+    if checkpoint is None:
+        return None
+    loop = make_loop(plan, demos, labels)
+    loop.agent.load(under("loop.agent", checkpoint.state()))
+    return loop.product.copies.observation_space, loop.agent
 
 
 @dataclass

@@ -10,12 +10,13 @@ import numpy as np
 from tiloilc.evaluate import band, generator
 from tiloilc.report import facts
 from tiloilc.report.charts import Area, Level, Series, area_chart, line_chart
+from tiloilc.report.landscape import key, pictures
 from tiloilc.report.markup import Markup, concat, number, tag
 from tiloilc.report.run import Curve, Run
 from tiloilc.report.scene import map_of, panels, timeline
 from tiloilc.report.states import State, legend
 
-__all__ = ["automaton", "curves", "losses", "occupancy", "paths", "small_curves"]
+__all__ = ["automaton", "curves", "landscape", "losses", "occupancy", "paths", "small_curves"]
 
 WIDE, NARROW = (960.0, 380.0), (360.0, 280.0)
 """A chart for screens and paper and one for phones; the style sheet shows one of them."""
@@ -129,6 +130,17 @@ def paths(run: Run, states: Sequence[State]) -> Markup | None:
         legend(tuple(states)),
         _both(bars),
     )
+
+
+def landscape(run: Run, states: Sequence[State]) -> Markup | None:
+    """The reward over the plane by stage; None where nothing was left to show."""
+    if run.plan is None or run.rewards is None or len(run.rewards.mean) != len(states):
+        return None
+    drawn = map_of(run.plan.environment.id, dict(run.plan.environment.kwargs), run.root)
+    if drawn is None or sorted(drawn.position) != [0, 1]:
+        return None
+    shown = pictures(run.rewards, drawn, states, run.plan)
+    return None if shown is None else concat(shown, key())
 
 
 def automaton(run: Run) -> Markup | None:

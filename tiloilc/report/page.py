@@ -38,6 +38,8 @@ def render(runs: Sequence[Run]) -> str:
             sections.append((f"Automaton{'' if shared else of}", _automaton(run, states)))
         sections.append((f"Stage occupancy{of}", _occupancy(run, states)))
         sections.append((f"Trajectories{of}", _trajectories(run, states)))
+        if (shown := figures.landscape(run, states)) is not None:
+            sections.append((f"Reward by stage{of}", _landscape(shown)))
     sections.append(("Settings", tables.settings(runs, names)))
     sections.append(
         (
@@ -206,6 +208,15 @@ def _trajectories(run: Run, states: Sequence[State]) -> Markup:
     said = (
         "One greedy episode a seed. The colour is the automaton state in which each step is "
         "taken; ○ start, filled discs accepting visits, × the sink."
+    )
+    return concat(shown, tag("p", said, class_="caption"))
+
+
+def _landscape(shown: Markup) -> Markup:
+    said = (
+        "The reward of Eq. 8 at every place, by the discriminators that training ended with; mean "
+        "over seeds. Each stage has its own range, about SIDX / N in white: the colour is what its "
+        "discriminator makes of a place."
     )
     return concat(shown, tag("p", said, class_="caption"))
 

@@ -1,4 +1,4 @@
-"""Checked access to JSON and event logs: their shape is promised by the contract, not by files."""
+"""Checked access to JSON, event logs, rewards: the contract promises their shape, files do not."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ __all__ = [
     "Events",
     "Floats",
     "Object",
+    "Rewards",
     "Unfit",
     "floats",
     "integer",
     "mapping",
     "parse",
     "read_events",
+    "read_rewards",
     "table",
     "words",
 ]
@@ -138,3 +140,26 @@ def _lines(log: Path, notes: list[str]) -> Iterator[dict[str, Json]]:
                 notes.append("The last event was cut off while it was being written.")
                 return
             raise
+
+
+@dataclass(frozen=True)
+class Rewards:
+    """The mean over seeds of Eq. 8 at [y, x], for each automaton state: `mean` [state, h, w]."""
+
+    x: Floats
+    y: Floats
+    mean: Floats
+
+
+def read_rewards(file: Path) -> Rewards | None:
+    """What evaluation left; None if it left nothing. Raises Unfit for a damaged file."""
+    if not file.is_file():
+        return None
+    try:
+        with np.load(file, allow_pickle=False) as arrays:
+            x, y, every = (np.asarray(arrays[n], np.float64) for n in ("x", "y", "rewards"))
+    except Exception:  # zipfile, zlib and numpy each raise their own for a damaged archive
+        raise Unfit(f"{file.name} is damaged") from None
+    if every.ndim != 4 or every.shape[2:] != (*y.shape, *x.shape) or not np.isfinite(every).all():
+        raise Unfit(f"{file.name}: its arrays do not fit each other")
+    return Rewards(x, y, every.mean(axis=0))

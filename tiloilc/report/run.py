@@ -20,12 +20,14 @@ from tiloilc.plan.model import Plan
 from tiloilc.report.reading import (
     Floats,
     Object,
+    Rewards,
     Unfit,
     floats,
     integer,
     mapping,
     parse,
     read_events,
+    read_rewards,
     table,
     words,
 )
@@ -99,6 +101,7 @@ class Run:
     occupancy: Occupancy | None
     final: Final | None
     trajectories: Trajectories | None
+    rewards: Rewards | None
     notes: tuple[str, ...]
 
     @property
@@ -160,6 +163,7 @@ def _read(path: Path) -> Run:
         occupancy=_occupancy(events.train, len(seeds)),
         final=final,
         trajectories=_trajectories(path / "trajectories.npz", len(seeds), notes),
+        rewards=read_rewards(path / "rewards.npz"),
         notes=tuple(notes),
     )
 

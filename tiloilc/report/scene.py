@@ -16,7 +16,7 @@ from tiloilc.report.markup import Markup, number, tag
 from tiloilc.report.run import Trajectories
 from tiloilc.report.states import State
 
-__all__ = ["Map", "Shape", "map_of", "panels", "timeline"]
+__all__ = ["SIZE", "Map", "Shape", "map_of", "outlines", "panels", "timeline"]
 
 SIZE = 220.0
 """Height of one picture in its own units."""
@@ -138,9 +138,7 @@ def _picture(
     width, height = (x_max - x_min) * scale, (y_max - y_min) * scale
     placed = np.stack([(points[:, 0] - x_min) * scale, (y_max - points[:, 1]) * scale], axis=1)
     body = [tag("rect", class_="ground", width=width, height=height)]
-    zones = [_shape(shape, x_min, y_max, scale) for shape in drawn.shapes]
-    body += [area for area, _ in zones]
-    body += [name for _, name in zones]  # over all areas, for areas overlap
+    body += outlines(drawn, x_min, y_max, scale)
     fell = next((t for t, b in enumerate(run) if states[b].kind == "sink"), len(run) - 1)
     lines, dots = [], []
     for start, stop in _stretches(run[: fell + 1]):
@@ -164,6 +162,13 @@ def _picture(
         body.append(tag("path", about, class_="fell", d=f"M{x},{y}m-5,-5l10,10m0,-10l-10,10"))
     return tag("svg", tag("title", title), body, class_="scene", role="img", aria_label=title,
                viewBox=f"0 0 {number(width)} {number(height)}")  # fmt: skip
+
+
+def outlines(drawn: Map, x_min: float, y_max: float, scale: float) -> list[Markup]:
+    """The map's zones in a picture whose upper left corner is (x_min, y_max)."""
+    zones = [_shape(shape, x_min, y_max, scale) for shape in drawn.shapes]
+    # names over all areas, for areas overlap
+    return [*(area for area, _ in zones), *(name for _, name in zones)]
 
 
 def _shape(shape: Shape, x_min: float, y_max: float, scale: float) -> tuple[Markup, Markup]:
