@@ -33,7 +33,7 @@ propositions:
   z: 7 <= x <= 13 and 7 <= y <= 13
 formula: "G F (a & X F b) & G !z"
 demonstrations: {source: expert, count: 2, max_visits: 1, actions: inferred}
-train: {steps: 4000, seeds: 2, learning_starts: 20, checkpoint_every: 100}
+train: {steps: 1500, seeds: 2, learning_starts: 20, checkpoint_every: 50}
 evaluate: {episodes: 2, every: 500}
 """
 
@@ -46,7 +46,7 @@ propositions:
 formula: "F G y & G !b"
 demonstrations: {source: expert, count: 2, actions: inferred}
 train:
-  steps: 700
+  steps: 400
   seeds: 2
   learning_starts: 60
   checkpoint_every: 20
