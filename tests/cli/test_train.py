@@ -136,6 +136,12 @@ def test_a_wrong_setting_is_a_usage_error(
     assert not Path("runs").exists()
 
 
+def test_a_doubtful_setting_is_doubted_on_the_command_line_too(build: Path, run: Run) -> None:
+    status, _, err = run("train", build, "--seeds", 1, "--set", "sink_reward=0")
+    assert status == 0
+    assert "warning[JOB605]: setting `sink_reward`" in err
+
+
 def test_a_folder_without_plan_is_a_usage_error(workdir: Path, run: Run) -> None:
     assert run("train", "missing")[0] == 2
     (workdir / "empty").mkdir()

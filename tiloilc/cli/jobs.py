@@ -97,7 +97,7 @@ def _changed(plan: Plan, changes: Mapping[str, object], quiet: bool) -> Settings
     from pydantic import ValidationError
 
     from tiloilc.diag import CompileError, Severity, did_you_mean
-    from tiloilc.driver import settings_findings
+    from tiloilc.driver import doubtful_findings, settings_findings
     from tiloilc.spec import refusal
     from tiloilc.spec.settings import Settings
 
@@ -109,7 +109,7 @@ def _changed(plan: Plan, changes: Mapping[str, object], quiet: bool) -> Settings
         settings = plan.train.override(changes)
     except ValidationError as error:
         raise fail(f"setting {refusal(error)}") from None
-    found = list(settings_findings(settings))
+    found = [*settings_findings(settings), *doubtful_findings(settings, plan.ldba, plan.stages)]
     if any(diagnostic.severity is Severity.ERROR for diagnostic in found):
         raise CompileError(*found)
     if not quiet:

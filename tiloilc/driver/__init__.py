@@ -13,13 +13,14 @@ from tiloilc.driver.build import (
     write_file,
     write_plan,
 )
-from tiloilc.driver.settings import settings_findings
+from tiloilc.driver.settings import doubtful_findings, settings_findings
 
 __all__ = [
     "Analysis",
     "Compiled",
     "analyse",
     "compile_spec",
+    "doubtful_findings",
     "labeller",
     "lint",
     "load_plan",

@@ -45,13 +45,14 @@ def doubtful_findings(
     settings: Settings,
     ldba: Ldba,
     stages: Stages,
-    entropy: float,
-    tabular: bool,
+    entropy: float = 0.0,
+    tabular: bool = True,
     place: Callable[[str], Span | None] = _nowhere,
 ) -> Iterator[Diagnostic]:
     """JOB605 for settings under which what pays best is not what is asked for.
 
-    `entropy` is the greatest that a policy can have, in nats.
+    `entropy` is the greatest that a policy can have, in nats. What is not known of the environment
+    is not doubted.
     """
     short = [b for b in ldba.states if stages.distance[b] > 0]
     spread = settings.beta if settings.stages else 1.0

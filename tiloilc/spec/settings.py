@@ -60,7 +60,8 @@ class Settings(Model):
         description="a reward for each stage, else R = tanh f with one f (section 3.2, figure 4)"
     )
     discriminator: Literal["separate", "shared"] = Field(
-        description="a network for each stage, or one that is told the stage (appendix F.2)"
+        description="a network for each stage, or one that is told the stage; on tables there is "
+        "no difference (appendix F.2)"
     )
     accepting_target: Literal["constant", "live", "segment"] = Field(
         description="the value target at accepting states: 1/(1−γ); one that rewards staying "
