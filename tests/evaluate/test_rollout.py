@@ -117,9 +117,10 @@ def test_a_jump_that_takes_a_step_has_its_place_in_the_rollout() -> None:
     assert rollout.states[0, 0].tolist() == [0, 1, 1, 1, 1]
     assert rollout.accepting[0, 0].tolist() == [False, True, True, True, True]
     assert rollout.observations[0, :, 0].tolist() == [0, 0, 0, 0, 0]
-    made = plan(stabilization(), "TestsLine-v0", horizon=4, epsilon="step", kwargs={"size": 9})
-    moving = play(made, cell_is(0, 8), always(RIGHT))
-    assert moving.observations[0, :, 0].tolist() == [0, 0, 1, 2, 3]
+    line = {"size": 9, "start": 2}
+    made = plan(stabilization(), "TestsLine-v0", horizon=4, epsilon="step", kwargs=line)
+    moving = play(made, cell_is(2, 8), always(RIGHT))
+    assert moving.observations[0, :, 0].tolist() == [2, 2, 3, 4, 5]
     assert moving.states[0, 0].tolist() == [0, 1, 2, 2, 2]
 
 

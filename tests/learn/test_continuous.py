@@ -189,6 +189,16 @@ def test_a_jump_that_takes_a_step_is_worth_its_pay_and_what_follows_a_step_later
     assert torch.allclose(found[waits], expected[waits])
 
 
+@pytest.mark.parametrize(("epsilon", "stays_from"), [("free", 4), ("step", 3)])
+def test_demonstrations_are_read_by_the_jumps_that_are_trained_with(
+    epsilon: str, stays_from: int
+) -> None:
+    """Yellow from the fifth state on: the jump reads it, or is a step before it."""
+    agent = make_loop(task(epsilon=epsilon), demos(PATH), LABELS).agent
+    assert isinstance(agent, SacAgent)
+    assert agent.shown.state.tolist() == [int(t >= stays_from) for t in range(7)]
+
+
 def test_letters_in_the_replay_are_those_of_the_state_arrived_in() -> None:
     _, agent = learner(until=50)
     batch = agent.layout.unpack(agent.replay.rows[:, :50])

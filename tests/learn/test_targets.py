@@ -31,6 +31,7 @@ def target(
     values: list[float],
     reward: float = 0.5,
     terminal: bool = False,
+    wait: float | None = None,
 ) -> float:
     """The target of one transition from b = `state` to the best of `options`."""
     table = StageTable.of(stage_plan(ldba), walk_tables(ldba), given)
@@ -42,6 +43,7 @@ def target(
         tensor([[values]]),
         tensor([[terminal]]),
         given,
+        None if wait is None else tensor([[wait]]),
     )
     assert found.shape == (1, 1)
     return found.item()
@@ -108,6 +110,28 @@ def test_option_values_are_exact_only_where_told() -> None:
     assert option_values(table, options, soft, paper()).tolist() == [[[1, 2, 3]]]
     exact = option_values(table, options, soft, paper(exact_entry=True))
     assert exact.flatten().tolist() == pytest.approx([1, MOST, LOST])
+
+
+# jumps that take a step
+
+
+def test_a_jump_that_takes_a_step_is_paid_now_and_worth_what_follows_later() -> None:
+    """Staying in 0 is worth 2, the jump 0.25 + 0.9 · 2.5 = 2.5; then it is 0.5 + 0.9 · 2.5."""
+    given = paper(epsilon="step")
+    assert target(STAY, given, 0, [0, 1], [2.0, 2.5], wait=0.25) == pytest.approx(0.5 + 0.9 * 2.5)
+    assert target(STAY, given, 0, [0, 1], [2.0, 2.5], wait=-1.0) == pytest.approx(0.5 + 0.9 * 2)
+
+
+def test_no_letter_was_read_so_a_jump_into_acceptance_has_no_exact_value() -> None:
+    given = paper(epsilon="step", exact_entry=True)
+    worth = 0.25 + 0.9 * 2.5
+    assert target(STAY, given, 0, [0, 1], [2.0, 2.5], wait=0.25) == pytest.approx(0.5 + 0.9 * worth)
+
+
+def test_nobody_jumps_where_the_environment_has_ended() -> None:
+    given = paper(epsilon="step")
+    ended = target(STAY, given, 0, [0, 1], [2.0, 9.0], terminal=True, wait=0.25)
+    assert ended == pytest.approx(0.5 + 0.9 * LOST)
 
 
 # Eq. 4, `live`

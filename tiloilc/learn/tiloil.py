@@ -129,7 +129,6 @@ def tiloil_target(
     lost = settings.sink_reward * most
     values = option_values(table, options, soft_value, settings, wait)
     if wait is not None:  # b' is the first option: to jump is a matter of the next step
-        values = torch.where(terminal[..., None], values[..., :1], values)
         options, soft_value = options[..., :1], soft_value[..., :1]
     over = terminal & ~table.accepting[options].any(-1)
     target = reward + settings.gamma * torch.where(over, lost, values.amax(-1))
