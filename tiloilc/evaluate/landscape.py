@@ -41,7 +41,7 @@ def landscape(
         return None
     agent, (x, y) = found[1], axes
     rows = [np.stack([x, np.full_like(x, value)], axis=1) for value in y]
-    rewards = np.stack([agent.rewards(row).numpy() for row in rows], axis=2)
+    rewards = np.stack([agent.rewards(row).cpu().numpy() for row in rows], axis=2)
     return {"x": x, "y": y, "rewards": rewards.astype(np.float32)}
 
 

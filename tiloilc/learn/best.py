@@ -25,11 +25,11 @@ class Best:
         better = more | (same & (scores[:, 1] >= self.scores[:, 1]))
         self.scores = torch.where(better[:, None], scores, self.scores)
         if not self.policy:
-            self.policy = {name: tensor.clone() for name, tensor in policy.items()}
+            self.policy = {name: tensor.to("cpu", copy=True) for name, tensor in policy.items()}
             return
         for name, tensor in policy.items():
             own = self.policy[name].view(self.seeds, -1)
-            own[better] = tensor.reshape(self.seeds, -1)[better]
+            own[better] = tensor.reshape(self.seeds, -1).cpu()[better]
 
     def state(self) -> State:
         """The scores and the policy, for a checkpoint."""

@@ -34,7 +34,8 @@ class Tally:
     def add_losses(self, losses: dict[str, Tensor]) -> None:
         """Add one update's losses [seed]."""
         for name, loss in losses.items():
-            self.losses[name] = self.losses[name] + loss if name in self.losses else loss
+            known = self.losses.get(name)  # on no GPU after resuming
+            self.losses[name] = loss if known is None else known.to(loss.device) + loss
         self.updates += 1
 
     def event(self) -> dict[str, object]:

@@ -105,8 +105,9 @@ def option_values(
 
 def exact_values(table: StageTable, settings: Settings) -> Tensor:
     """The values that `option_values` knows without asking, [states]; nan for other states."""
-    states = torch.arange(len(table.code))
-    return option_values(table, states, torch.full(states.shape, torch.nan), settings)
+    states = torch.arange(len(table.code), device=table.code.device)
+    nothing = torch.full(states.shape, torch.nan, device=states.device)
+    return option_values(table, states, nothing, settings)
 
 
 def tiloil_target(
