@@ -21,15 +21,15 @@ ARITHMETIC: Mapping[str, Callable[[Array, Array], Array]] = {
     "**": lambda a, b: np.asarray(np.power(a, b)),
 }
 COMPARISON: Mapping[str, Callable[[Array, Array], Array]] = {
-    "<": lambda a, b: a < b,
-    "<=": lambda a, b: a <= b,
-    "≤": lambda a, b: a <= b,
-    ">": lambda a, b: a > b,
-    ">=": lambda a, b: a >= b,
-    "≥": lambda a, b: a >= b,
-    "==": lambda a, b: a == b,
-    "!=": lambda a, b: a != b,
-    "≠": lambda a, b: a != b,
+    "<": np.less,
+    "<=": np.less_equal,
+    "≤": np.less_equal,
+    ">": np.greater,
+    ">=": np.greater_equal,
+    "≥": np.greater_equal,
+    "==": np.equal,
+    "!=": np.not_equal,
+    "≠": np.not_equal,
 }
 
 

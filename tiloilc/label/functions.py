@@ -115,7 +115,7 @@ def wrap(angle: Array) -> Array:
 
 def norm(vector: Array) -> Array:
     """Euclidean length over the last axis."""
-    return np.asarray(np.sqrt(np.sum(vector * vector, axis=-1)))
+    return np.asarray(np.sqrt(np.add.reduce(vector * vector, axis=-1)))
 
 
 def _norm(arrays: Sequence[Array], kinds: Sequence[Kind]) -> Array:
