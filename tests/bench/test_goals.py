@@ -10,11 +10,12 @@ import torch
 from torch.utils.flop_counter import FlopCounterMode
 
 import tiloilc.bench.cold
+import tiloilc.bench.memory
 from tests.cli.running import Run, runner
 from tiloilc.bench import Measurement, Spread
 from tiloilc.bench.automata import goals
 from tiloilc.bench.automata.measure import Measured, Row
-from tiloilc.bench.contestants import cleanrl, floor, ours, sb3
+from tiloilc.bench.contestants import cleanrl, floor, optimum, ours, sb3
 from tiloilc.bench.contestants.work import Run as Worker
 from tiloilc.bench.contestants.work import Work
 from tiloilc.bench.page import benchmarks_page
@@ -69,6 +70,7 @@ def test_without_anybody_to_compare_with_the_value_has_a_bound(value: float, mis
     row = Measurement("start", Spread.of([value]), "s", goal=0.4)
     assert row.missed == missed
     assert not Measurement("start", Spread.of([value]), "s").missed
+    assert Measurement("never", None, "s", goal=0.4).missed
 
 
 def test_json_has_the_medians() -> None:
@@ -126,6 +128,25 @@ def test_work_survives_the_command_line() -> None:
     assert Work.from_json(work.to_json()) == work
     assert work.path.is_file()
     assert Work("flatworld_cycle").path.is_file()
+
+
+@pytest.mark.slow
+def test_training_ends_when_the_seeds_are_near_the_optimum(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.argv", ["optimum", Work("grid_avoid_easy").to_json()])
+    optimum.main()
+    found = json.loads(capsys.readouterr().out)
+    assert (found["seeds"], found["wanted"]) == (10, pytest.approx(0.9 * 11))
+    assert 0 < found["seconds"] < 300
+
+
+@pytest.mark.slow
+def test_full_buffers_take_memory() -> None:
+    (row,) = tiloilc.bench.memory.measure(1, print)
+    assert row.value is not None
+    transitions = 10 * 1_000_000 * 9 * 4 / 2**20
+    assert transitions < row.value.median < 10 * transitions
 
 
 # automata

@@ -29,7 +29,8 @@ class Measurement:
     """One row of the table.
 
     `goal` is the least `ratio` wanted where there is something to measure `against`, else the most
-    that `value` may be. `ratio` is missing where `against` is not installed.
+    that `value` may be; a value that there should be and is not is missed, too. `ratio` is missing
+    where `against` is not installed.
     """
 
     name: str
@@ -43,10 +44,10 @@ class Measurement:
     @property
     def missed(self) -> bool:
         """Whether there is a goal that what was measured does not reach."""
-        if self.goal is None or self.value is None:
+        if self.goal is None:
             return False
         if self.against is None:
-            return self.value.median > self.goal
+            return self.value is None or self.value.median > self.goal
         return self.ratio is not None and self.ratio.median < self.goal
 
     def to_json(self) -> dict[str, object]:

@@ -57,7 +57,7 @@ def _line(row: Measurement) -> list[str]:
     return [
         row.name,
         row.unit,
-        _spread(row.value),
+        "never" if row.value is None and row.against is None else _spread(row.value),
         row.against or "–",
         _spread(row.theirs),
         _spread(row.ratio, "×"),

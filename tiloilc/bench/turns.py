@@ -110,11 +110,17 @@ def compare(
     return Measurement(name, value, unit, theirs.title, Spread.of(theirs.per_second), ratio, goal)
 
 
+def ask(module: str, work: Work) -> str:
+    """What a module of `contestants` prints about `work`, in a process of its own."""
+    command = [sys.executable, "-m", f"tiloilc.bench.contestants.{module}", work.to_json()]
+    environment = os.environ | ONE_THREAD
+    done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=True)
+    return done.stdout
+
+
 def profile(work: Work) -> list[Share]:
     """Where the time of our update goes."""
-    command = [sys.executable, "-m", "tiloilc.bench.contestants.profile", work.to_json()]
-    done = subprocess.run(command, env=os.environ | ONE_THREAD, capture_output=True, check=True)
-    return [Share(*row) for row in json.loads(done.stdout)]
+    return [Share(*row) for row in json.loads(ask("profile", work))]
 
 
 def versions() -> dict[str, str]:

@@ -37,6 +37,7 @@ class Part(StrEnum):
     ENVS = "envs"
     COLD = "cold"
     MEMORY = "memory"
+    TASKS = "tasks"
     AUTOMATA = "automata"
 
 

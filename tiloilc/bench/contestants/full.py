@@ -1,15 +1,15 @@
-"""A run with full buffers, and its memory: `python -m tiloilc.bench.contestants.full SPEC`."""
+"""A run with full buffers, and its memory: `python -m tiloilc.bench.contestants.full WORK`."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import sys
-from pathlib import Path
 
 import numpy as np
 
 from tiloilc.bench.automata.alone import peak_memory
+from tiloilc.bench.contestants.work import Work
 from tiloilc.driver import compile_spec, labeller
 from tiloilc.learn.job import make_loop
 
@@ -19,7 +19,7 @@ CHUNK = 10_000
 
 def main() -> None:
     """Print seeds and peak memory in MiB as one JSON object."""
-    compiled = compile_spec(Path(sys.argv[1]))
+    compiled = compile_spec(Work.from_json(sys.argv[1]).path)
     settings = compiled.plan.train
     settings = settings.override({"steps": settings.buffer_size})
     plan = dataclasses.replace(compiled.plan, train=settings)
