@@ -161,7 +161,7 @@ class GridVectorEnv(BatchedEnv):
         return np.full(len(copies), self.grid.number(np.array(self.grid.start)), np.int64)
 
     def _move(self, state: Array, actions: Array) -> Array:
-        if actions.shape != state.shape or not np.issubdtype(actions.dtype, np.integer):
+        if actions.shape != state.shape or actions.dtype.kind not in "iu":
             raise ValueError(f"actions must be {len(state)} whole numbers, one a copy")
         if ((actions < 0) | (actions >= len(MOVES))).any():
             raise ValueError(f"actions must lie in 0 … {len(MOVES) - 1}")

@@ -13,9 +13,9 @@ HEAD = """\
 
 Written by `make bench`, not by hand. Medians with quartiles in brackets. Whoever is compared ran
 side by side, in a process of its own, on one pinned core with one thread, turn and turn about; the
-ratio is taken between turns that follow each other. Their seconds are those of processor time, which
-on a core of one's own are the clock's; those of commands and tasks are the clock's. A goal is the
-least ratio where there is something to compare with, else the most that the value may be.
+ratio is taken between turns that follow each other. Their seconds are those of processor time,
+which on a core of one's own are the clock's; those of commands and tasks are the clock's. A goal is
+the least ratio where there is something to compare with, else the most that the value may be.
 
 Measured on {machine}, with {versions}.
 """

@@ -64,7 +64,7 @@ class Share:
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """Pieces of work per second of processor time, one number a round; none if a package is `missing`."""
+    """Pieces of work per second of processor time, a number a round; none if one is `missing`."""
 
     title: str
     per_second: tuple[float, ...]

@@ -73,9 +73,11 @@ class Product:
         options = self.walk.options[states, self.letters]
         first = options[:, 0]
         chosen = self.choose(self.observations, options) if self.walk.chooses else first
-        if self.walk.costly:
-            chosen = np.where(alive & (self.elapsed < self.horizon), chosen, first)
+        if not self.walk.costly:
+            self.states = self.landed = np.where(mask, chosen, self.states)
+            return
+        chosen = np.where(alive & (self.elapsed < self.horizon), chosen, first)
         self.states = np.where(mask, chosen, self.states)
-        self.landed = np.where(mask, first, self.states) if self.walk.costly else self.states
+        self.landed = np.where(mask, first, self.states)
         self.jumped = self.landed != self.states
         self.elapsed = self.elapsed + self.jumped
