@@ -38,8 +38,9 @@ records: $(STAMP)  ## train every task of specs/ and add its records to results/
 	  $(BIN)/tiloilc run "$$spec" --record "results/$$(basename "$$spec" .yaml).jsonl.gz" || exit 1; \
 	done
 
-results: $(STAMP)  ## write docs/results.md from the records in results/
+results: $(STAMP)  ## write docs/results.md and docs/pendulum.md from the records in results/
 	$(BIN)/python -m tiloilc.report.results results docs/results.md
+	$(BIN)/python -m tiloilc.bench.pendulum results/sac/pendulum.jsonl.gz docs/pendulum.md
 
 bench: $(RIVALS)  ## measure everything beside others; docs/benchmarks.md, docs/automaton_sizes.md
 	$(BIN)/tiloilc bench -o docs

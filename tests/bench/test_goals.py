@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -21,8 +22,8 @@ from tiloilc.bench.contestants.work import Work
 from tiloilc.bench.page import benchmarks_page
 from tiloilc.bench.turns import Contestant, Rates, Share, compare, take_turns
 
-SMALL = Work(batch=8, actor=(8, 8), critic=(8, 8))
-JUDGED = Work(batch=8, actor=(8, 8), critic=(8, 8), discriminators=True)
+SMALL = Work(batch=8, actor=(8, 8), critic=(8, 8), compiled=False)
+JUDGED = replace(SMALL, discriminators=True)
 GRID = Work("grid_circular_easy", copies=4)
 
 
@@ -142,7 +143,9 @@ def test_training_ends_when_the_seeds_are_near_the_optimum(
 
 
 @pytest.mark.slow
-def test_full_buffers_take_memory() -> None:
+def test_full_buffers_take_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    work = Work("flatworld_cycle", compiled=False)
+    monkeypatch.setattr(tiloilc.bench.memory, "WORK", work)
     (row,) = tiloilc.bench.memory.measure(1, print)
     assert row.value is not None
     transitions = 10 * 1_000_000 * 9 * 4 / 2**20

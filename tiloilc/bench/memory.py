@@ -8,12 +8,12 @@ from tiloilc.bench.contestants.work import Work
 from tiloilc.bench.measurement import Measurement, Spread
 from tiloilc.bench.turns import Tell, ask
 
-TASK = "flatworld_cycle"
+WORK = Work("flatworld_cycle")
 
 
 def measure(rounds: int, tell: Tell) -> list[Measurement]:
     """The rows of this benchmark; memory is measured once, since it does not vary."""
-    found = json.loads(ask("full", Work(TASK)))
+    found = json.loads(ask("full", WORK))
     tell(f"{found['seeds']} seeds: {found['peak']:.0f} MiB")
-    name = f"memory of {found['seeds']} seeds of {TASK}, buffers full"
+    name = f"memory of {found['seeds']} seeds of {WORK.task}, buffers full"
     return [Measurement(name, Spread.of([found["peak"]]), "MiB")]

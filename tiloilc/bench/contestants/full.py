@@ -19,9 +19,12 @@ CHUNK = 10_000
 
 def main() -> None:
     """Print seeds and peak memory in MiB as one JSON object."""
-    compiled = compile_spec(Work.from_json(sys.argv[1]).path)
+    work = Work.from_json(sys.argv[1])
+    compiled = compile_spec(work.path)
     settings = compiled.plan.train
-    settings = settings.override({"steps": settings.buffer_size})
+    settings = settings.override(
+        {"steps": settings.buffer_size, "compile": "always" if work.compiled else "never"}
+    )
     plan = dataclasses.replace(compiled.plan, train=settings)
     loop = make_loop(plan, compiled.demos, labeller(plan))
     for _ in loop.run(settings.learning_starts + 1):

@@ -74,6 +74,7 @@ def _plan(work: Work) -> Plan:
         "buffer_size": 100_000,
         "learning_starts": WARM_UP,
         "tau": 0.005,
+        "compile": "always" if work.compiled else "never",
         "entropy": "tuned",
         "demo_replay": 0,
         "warm_start": "none",

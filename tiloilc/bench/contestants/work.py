@@ -32,6 +32,7 @@ class Work:
     actor: tuple[int, ...] = (256, 256, 256)
     critic: tuple[int, ...] = (256, 256)
     discriminators: bool = False
+    compiled: bool = True
     needs: tuple[str, ...] = ()
 
     @property
