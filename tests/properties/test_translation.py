@@ -21,6 +21,7 @@ from tiloilc.automaton.construction.terms import Terms
 from tiloilc.automaton.draft import Draft, reachable
 from tiloilc.automaton.limits import Budget
 from tiloilc.automaton.reduction.reduce import PASSES
+from tiloilc.automaton.translate import ConstructionName
 from tiloilc.ltl import Lasso, holds, parse, to_text
 from tiloilc.ltl.ast import And, Formula, Or
 
@@ -97,6 +98,27 @@ def test_no_pass_changes_the_language_of_many_formulas(part: int) -> None:
     assert {f"pass {step.__name__}" for step in PASSES} - RARE <= seen.keys(), "all had work to do"
 
 
+@pytest.mark.parametrize("construction", ["asymmetric", "symmetric"])
+@pytest.mark.parametrize(
+    ("text", "stem", "loop"),
+    [
+        ("F (!c & F (X c -> a) W (a | !G b))", (6, 2), (6, 6)),
+        ("c W b & c R F (b <-> F c)", (), (3, 2)),
+        ("X b ^ c | (c | X (c | c)) R F (a | a W c)", (), (0,)),
+        ("a | (c | X b) R F (a | c R b)", (), (0,)),
+        ("F (X b & F (b | a) W (a | a & c & c))", (0, 2), (4,)),
+        ("X (X a ^ a) M (F (c | a | a) W c)", (3, 2, 3, 2), (2,)),
+    ],
+)
+def test_what_is_kept_for_ever_is_guessed_in_the_form_in_which_it_is_kept(
+    text: str, stem: tuple[int, ...], loop: tuple[int, ...], construction: ConstructionName
+) -> None:
+    """p W c that is left over is kept by G (p & !c), where !c is known of p."""
+    formula = parse(text, ABC).formula
+    assert not holds(formula, Lasso(stem, loop), ABC)
+    assert not accepts(translate(formula, ABC, construction=construction), Lasso(stem, loop))
+
+
 RARE = {"pass cut_exits"}
 """What has no work to do in thousands of random formulas."""
 
@@ -132,6 +154,10 @@ TEMPLATES = (
     "F ({0}) & F (({0}) | ({1})) | F (({0}) & X ({2}))",
     "F (a & (({0}) R (!({0}) R (({0}) R ({1})))))",
     "G (a | (!b & c) U (b | ({0}) | (G c | !c W ({1}))))",
+    "({0}) M (({1}) W c)",
+    "({0}) | (c | {1}) R F (a | {2})",
+    "X ({0}) & ((F ({1}) | G ({2})) W c)",
+    "(!c | {0}) R (({1}) R ({2}))",
 )
 """Shapes that need the general construction, or of which one part implies another."""
 

@@ -89,7 +89,7 @@ class AsymmetricGuess(Guess):
                 continue
             elif name in LEAST:
                 where = "strong"
-            elif name in GREATEST:
-                where = "below"
+            elif where == "top" and name in GREATEST:
+                where, operands = "below", self.parts_to_keep(term)
             work.extend((t, where) for t in reversed(operands) if terms.has_greatest[t])
         return None

@@ -54,6 +54,11 @@ class Guess(ABC):
             return None
         return self.for_ever(term)
 
+    def parts_to_keep(self, term: Term) -> tuple[Term, ...]:
+        """What the substitutions go on with in a ν-formula that is left over."""
+        lasting = self.lasting_part(term)
+        return self.terms.operands[term] if lasting is None else (lasting,)
+
     def for_ever(self, term: Term) -> Term:
         """The p such that the ν-formula `term` may never be broken, nor ended, if G p.
 

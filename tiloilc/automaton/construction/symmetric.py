@@ -106,7 +106,7 @@ class SymmetricGuess(Guess):
                 if name == "F" or not self.chosen.get(term, False):
                     continue
             elif where == "top" and name in GREATEST:
-                where = "below"
+                where, operands = "below", self.parts_to_keep(term)
             work.extend((t, where) for t in reversed(operands) if self._matters(t, where))
         return None
 
