@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,9 +10,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from tiloilc.learn.chance import Chance, draw_shown, draw_states
 from tiloilc.learn.cloning import clone, demonstrated_rows
 from tiloilc.learn.device import check_memory, memory_of
-from tiloilc.learn.discriminators import Discriminators, Draws, StageBuffers
+from tiloilc.learn.discriminators import Discriminators, StageBuffers
 from tiloilc.learn.inputs import Inputs
 from tiloilc.learn.program import Program, Say, pays
 from tiloilc.learn.replay import Batch, Layout, Replay
@@ -37,25 +38,6 @@ if TYPE_CHECKING:
 
 HOST_SEED = 2**32
 """Keeps the noise of actions apart from what learning draws."""
-
-RELABELLED = 0.5
-"""How many steps of a batch are read from an automaton state drawn at random, with `relabel`."""
-
-
-@dataclass(frozen=True, slots=True)
-class Chance:
-    """The random part of an update.
-
-    Places in the replay [seed, n − n'] and among the demonstrations [seed, n', 1]; automaton states
-    from which steps are read instead [seed, n], -1 for their own; noise of the actions of each
-    option and of each state [seed, n·(K + 1), m].
-    """
-
-    rows: Tensor
-    shown: Tensor | None
-    state: Tensor | None
-    noise: Tensor
-    discriminators: Draws | None
 
 
 class SacAgent:
@@ -201,22 +183,11 @@ class SacAgent:
 
     def _draw(self) -> Chance:
         """What the next update needs of chance."""
-        s, random, shown = self.settings, self.generator, None
+        s, random = self.settings, self.generator
         rows = self.replay.draw(s.batch_size - self.shown_rows, random)
-        if self.demo_rows is not None and self.shown_rows:
-            places = (s.seeds, self.shown_rows, 1)
-            shown = torch.randint(
-                self.demo_rows.shape[1], places, generator=random, device=random.device
-            )
-        state = None
+        shown, state = draw_shown(self.demo_rows, self.shown_rows, random), None
         if s.relabel:
-            shape = (s.seeds, s.batch_size)
-            state = self.live[
-                torch.randint(len(self.live), shape, generator=random, device=random.device)
-            ]
-            kept = torch.rand(shape, generator=random, device=random.device) >= RELABELLED
-            kept[:, : self.shown_rows] = True
-            state = state.masked_fill(kept, -1)
+            state = draw_states(self.live, (s.seeds, s.batch_size), self.shown_rows, random)
         noise = self.sac.noise(s.batch_size * (self.options.shape[2] + 1))
         judged = self.discriminators.draw() if self.judges else None
         return Chance(rows, shown, state, noise, judged)
