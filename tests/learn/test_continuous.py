@@ -321,7 +321,7 @@ def test_cloning_brings_the_greedy_action_to_the_demonstrated_one(
 ) -> None:
     monkeypatch.setattr("tiloilc.learn.cloning.CLONING_STEPS", 200)
     _, agent = learner(until=1)
-    x, action = torch.randn(2, 40, 5), torch.full((2, 40, 1), 0.5)
+    x, action = torch.randn(2, 40, 5, generator=generator(1)), torch.full((2, 40, 1), 0.5)
     clone(agent.sac, x, action, agent.generator)
     assert (agent.sac.mean_action(x) - 0.5).abs().mean() < 0.05
 
