@@ -319,7 +319,7 @@ def test_without_actions_demonstrations_feed_the_discriminators_only() -> None:
 def test_cloning_brings_the_greedy_action_to_the_demonstrated_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("tiloilc.learn.cloning.CLONING_STEPS", 200)
+    monkeypatch.setattr("tiloilc.learn.cloning.CLONING_STEPS", 600)
     _, agent = learner(until=1)
     x, action = torch.randn(2, 40, 5, generator=generator(1)), torch.full((2, 40, 1), 0.5)
     clone(agent.sac, x, action, agent.generator)
