@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -15,14 +16,34 @@ from tests.e2e.conftest import Run
 from tests.e2e.test_readme import blocks
 from tests.e2e.test_readme import run as run_block
 
-EXAMPLES = ("own_environment", "own_demonstrations", "imported_automaton", "exported_policy")
+EXAMPLES = (
+    "own_environment",
+    "own_demonstrations",
+    "imported_automaton",
+    "exported_policy",
+    "own_algorithm",
+)
 
 
 @pytest.fixture
-def copied(root: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Path:
-    """A copy of the example that the test names."""
-    ignored = shutil.ignore_patterns("__pycache__", "build", "runs")
-    return shutil.copytree(root / "examples" / request.param, tmp_path / "copy", ignore=ignored)
+def copied(
+    root: Path, tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> Path:
+    """A copy of the example that the test names, installed beside it if it is a distribution."""
+    ignored = shutil.ignore_patterns("__pycache__", "build", "runs", "*.egg-info")
+    copy = shutil.copytree(root / "examples" / request.param, tmp_path / "copy", ignore=ignored)
+    if (copy / "pyproject.toml").exists():
+        target = installed(copy, tmp_path / "installed")
+        monkeypatch.setenv("PYTHONPATH", str(target), prepend=os.pathsep)
+    return copy
+
+
+def installed(source: Path, target: Path) -> Path:
+    """`target`, into which `source` has been installed without looking for anything else."""
+    flags = ["--quiet", "--no-index", "--no-deps", "--no-build-isolation"]
+    command = [sys.executable, "-m", "pip", "install", *flags, "--target", str(target), str(source)]
+    subprocess.run(command, timeout=120, check=True)
+    return target
 
 
 def evaluation(folder: Path) -> dict[str, dict[str, list[float]]]:
@@ -132,3 +153,22 @@ def test_a_plan_is_stale_when_its_automaton_was_changed(copied: Path, tiloilc: R
     told = tiloilc("train", "build/patrol", cwd=copied, status=1)
     assert "error[PLAN401]: `patrol.hoa` changed after the plan was compiled" in told.stderr
     assert not (copied / "runs").exists()
+
+
+@pytest.mark.parametrize("copied", ["own_algorithm"], indirect=True)
+def test_an_algorithm_that_is_not_installed_is_reported(
+    copied: Path, tiloilc: Run, tmp_path: Path
+) -> None:
+    shutil.rmtree(tmp_path / "installed")
+    told = tiloilc("lint", "stay.yaml", cwd=copied, status=1)
+    assert "JOB610" in told.stdout + told.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("copied", ["own_algorithm"], indirect=True)
+def test_the_own_algorithm_learns_to_stay(copied: Path, tiloilc: Run) -> None:
+    tiloilc("run", "stay.yaml", cwd=copied)
+    assert np.mean(evaluation(copied)["greedy"]["accepting_visits"]) >= 46
+    (events,) = copied.rglob("events.jsonl")
+    assert '"critic"' in events.read_text(encoding="utf-8")
+    assert '"discriminator"' not in events.read_text(encoding="utf-8")

@@ -123,13 +123,13 @@ def test_rewards_are_those_of_todays_discriminators() -> None:
 
     def targets() -> torch.Tensor:
         options = agent.options[batch.state, batch.letter]
-        return agent.target(batch, options, torch.zeros(options.shape))
+        return agent.method.target(batch, options, torch.zeros(options.shape))
 
     before = targets()
-    agent.discriminators.trained[:] = True
-    agent.discriminators.nets.flat.zero_()
+    agent.method.discriminators.trained[:] = True
+    agent.method.discriminators.nets.flat.zero_()
     silent = targets()
-    agent.discriminators.nets.biases[-1].fill_(20.0)  # tanh f = 1 everywhere
+    agent.method.discriminators.nets.biases[-1].fill_(20.0)  # tanh f = 1 everywhere
     loud = targets()
     staged = batch.state == 0
     assert torch.allclose((loud - silent)[staged], torch.tensor(agent.settings.beta), atol=1e-4)
@@ -148,10 +148,10 @@ def test_targets_are_equation_4_with_the_soft_value_of_the_next_state(
         options = agent.options[batch.state, batch.letter]
         after = agent._encode_options(batch.next_observation, options)
         soft = agent.sac.soft_value(after, agent.sac.sample(after, chance.noise[:, : n * k]))
-        bonus = agent.discriminators.bonus(batch.observation, batch.state)
-        reward = stage_reward(agent.table, batch.state, bonus, agent.settings)
+        bonus = agent.method.discriminators.bonus(batch.observation, batch.state)
+        reward = stage_reward(agent.method.table, batch.state, bonus, agent.settings)
         expected = tiloil_target(
-            agent.table,
+            agent.method.table,
             batch.state,
             reward,
             options,
@@ -180,12 +180,14 @@ def test_a_jump_that_takes_a_step_is_worth_its_pay_and_what_follows_a_step_later
     value = torch.randn(options.shape, generator=torch.Generator().manual_seed(0))
     none = torch.zeros_like(batch.state)
     now, then = (
-        stage_reward(agent.table, none, agent.discriminators.bonus(seen, none), agent.settings)
+        stage_reward(
+            agent.method.table, none, agent.method.discriminators.bonus(seen, none), agent.settings
+        )
         for seen in (batch.observation, batch.next_observation)
     )
     gamma = agent.settings.gamma
     expected = now + gamma * torch.maximum(value[..., 0], then + gamma * value[..., 1])
-    found = agent.target(batch, options, value)
+    found = agent.method.target(batch, options, value)
     assert torch.allclose(found[waits], expected[waits])
 
 
@@ -218,7 +220,7 @@ def test_relabelled_steps_are_read_from_every_live_state_and_demonstrations_as_t
     assert set(batch.state[:, :shown].unique().tolist()) <= went
     share = batch.state[:, shown:].flatten().bincount(minlength=3) / (2 * (4000 - shown))
     sink = loop.walk.sink
-    live = [b for b in range(loop.walk.states) if b != sink and int(agent.table.code[b]) == b]
+    live = [b for b in range(loop.walk.states) if b != sink and int(agent.code[b]) == b]
     assert min(share[live]) > 0.4 / len(live)
     letters = LABELS(batch.next_observation.reshape(-1, 2).numpy()).reshape(2, -1)
     assert np.array_equal(batch.letter.numpy(), letters)
@@ -313,7 +315,7 @@ def test_recorded_actions_are_used_as_they_are() -> None:
 def test_without_actions_demonstrations_feed_the_discriminators_only() -> None:
     _, agent = learner(until=70, actions="none")
     assert agent.demo_rows is None
-    assert len(agent.discriminators.demonstrations) > 0
+    assert len(agent.method.discriminators.demonstrations) > 0
 
 
 def test_cloning_brings_the_greedy_action_to_the_demonstrated_one(

@@ -104,7 +104,7 @@ def test_memory_is_what_the_agent_holds() -> None:
     agent = make_loop(made, demos([[0.0, 0.0]] * 4), beyond(0.4, 1.5)).agent
     assert isinstance(agent, SacAgent)
     assert agent.replay.rows.nbytes == agent.memory.replay
-    assert agent.buffers.states.nbytes == agent.memory.stages
+    assert agent.rings()["method.stages"].rows.nbytes == agent.memory.stages
     held = sum(nets.flat.nbytes for nets in (agent.sac.actor, agent.sac.critics))
     assert held * 6 == agent.memory.networks
 

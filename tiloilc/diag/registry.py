@@ -201,6 +201,7 @@ RULES: dict[str, Rule] = _rules(
         "nothing-learned",
         "nothing is learned in {steps} steps: the first {random} are random",
     ),
+    Rule("JOB610", E, "unusable-algorithm", "algorithm `{name}`: {problem}"),
     Rule("RUN701", E, "unreadable-run", "cannot read the run `{path}`: {problem}"),
     Rule("RUN702", E, "training-diverged", "training diverged at step {step}: {problem}"),
     Rule("RUN703", E, "run-not-written", "cannot write in `{path}`: {problem}"),

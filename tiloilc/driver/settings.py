@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from importlib.metadata import entry_points
 
 from tiloilc.automaton.ldba import Ldba
-from tiloilc.diag import Diagnostic, Span
+from tiloilc.diag import Diagnostic, Span, did_you_mean
 from tiloilc.plan import Stages
-from tiloilc.spec.settings import Settings
+from tiloilc.spec.settings import ALGORITHMS, Settings
 
 MAX_BETA = 0.5
 """Below it a later stage always pays more than an earlier one (paper, below Eq. 8)."""
@@ -20,7 +21,8 @@ def _nowhere(name: str) -> Span | None:
 def settings_findings(
     settings: Settings, place: Callable[[str], Span | None] = _nowhere
 ) -> Iterator[Diagnostic]:
-    """PLAN404, JOB604 and JOB609; `place` is where a setting is given."""
+    """PLAN404, JOB604, JOB609 and JOB610; `place` is where a setting is given."""
+    yield from _algorithm_findings(settings.algorithm, place)
     if settings.beta >= MAX_BETA:
         beta = f"{settings.beta:g}"
         yield Diagnostic.of("PLAN404", place("beta"), beta=beta, help="1/3 is usual")
@@ -39,6 +41,17 @@ def settings_findings(
     if settings.end_on_sink and not settings.exact_entry:
         problem = "no step of a sink is seen, so its value must be given"
         yield _bad("end_on_sink", problem, "set `exact_entry: true`", place)
+
+
+def _algorithm_findings(name: str, place: Callable[[str], Span | None]) -> Iterator[Diagnostic]:
+    """JOB610 where neither this package nor an installed one has the algorithm `name`."""
+    if name in ALGORITHMS:
+        return
+    others = sorted(entry_points(group="tiloilc.algorithms").names)
+    if name not in others:
+        problem = "no installed package has it"
+        help = did_you_mean(name, [*ALGORITHMS, *others])
+        yield Diagnostic.of("JOB610", place("algorithm"), name=name, problem=problem, help=help)
 
 
 def doubtful_findings(

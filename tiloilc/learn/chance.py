@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from tiloilc.learn.discriminators import Draws
+from tiloilc.learn.state import State
 
 RELABELLED = 0.5
 """How many steps of a batch are read from an automaton state drawn at random, with `relabel`."""
@@ -19,14 +19,14 @@ class Chance:
 
     Places in the replay [seed, n − n'] and among the demonstrations [seed, n', 1]; automaton states
     from which steps are read instead [seed, n], -1 for their own; noise of the actions of each
-    option and of each state [seed, n·(K + 1), m].
+    option and of each state [seed, n·(K + 1), m]; and what the algorithm draws.
     """
 
     rows: Tensor
     shown: Tensor | None
     state: Tensor | None
     noise: Tensor
-    discriminators: Draws | None
+    method: State
 
 
 def draw_shown(rows: Tensor | None, count: int, generator: torch.Generator) -> Tensor | None:

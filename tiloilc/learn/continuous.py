@@ -1,4 +1,4 @@
-"""The agent on continuous tasks: SAC on the product with TiLoIL's rewards and targets."""
+"""The agent on continuous tasks: SAC on the product, with the targets of an algorithm."""
 
 from __future__ import annotations
 
@@ -13,21 +13,15 @@ from torch import Tensor
 from tiloilc.learn.chance import Chance, draw_shown, draw_states
 from tiloilc.learn.cloning import clone, demonstrated_rows
 from tiloilc.learn.device import check_memory, memory_of
-from tiloilc.learn.discriminators import Discriminators, StageBuffers
 from tiloilc.learn.inputs import Inputs
+from tiloilc.learn.method import Setup, make_method
 from tiloilc.learn.program import Program, Say, pays
 from tiloilc.learn.replay import Batch, Layout, Replay
 from tiloilc.learn.ring import Ring
 from tiloilc.learn.sac import Imitated, SoftActorCritic
 from tiloilc.learn.shown import Shown
 from tiloilc.learn.state import State, under, with_prefix
-from tiloilc.learn.tiloil import (
-    StageTable,
-    exact_values,
-    option_values,
-    stage_reward,
-    tiloil_target,
-)
+from tiloilc.learn.tiloil import StageTable
 from tiloilc.plan import Stages
 from tiloilc.product import Floats, Int, Walk
 from tiloilc.spec.settings import Settings
@@ -61,23 +55,19 @@ class SacAgent:
         self.low, self.high = action_space.low.reshape(-1), action_space.high.reshape(-1)
         self.action_shape = action_space.shape
         self.layout = Layout(d, m)
-        self.table = StageTable.of(stages, walk, settings).to(device)
-        self.encode = Inputs(observation_space, shown.positive, self.table.code, walk.states)
+        self.code = StageTable.of(stages, walk, settings).to(device).code
+        self.encode = Inputs(observation_space, shown.positive, self.code, walk.states)
         self.options = torch.from_numpy(walk.options).to(device)
         live = [b for b in range(walk.states) if b != walk.sink]
-        self.live = self.table.code[live].unique()
+        self.live = self.code[live].unique()
         seeds, buffers = settings.seeds, stages.sink_buffer + 1
         self.sac = SoftActorCritic(seeds, d + walk.states, m, settings, generator)
         self.memory = memory_of(settings, self.layout.width, d, buffers, self.sac.networks)
         check_memory(self.memory, device, settings)
         capacity = min(settings.buffer_size, settings.steps)
         self.replay = Replay(seeds, capacity, self.layout.width, device)
-        kept = min(settings.stage_buffer_size, capacity)
-        self.buffers = StageBuffers(seeds, buffers, kept, d, device)
         positive = torch.from_numpy(shown.positive).to(device)
-        self.discriminators = Discriminators(stages, self.buffers, positive, settings, generator)
-        wanted = settings.beta > 0 or not settings.stages
-        self.judges = wanted and self.discriminators.stages > 0
+        self.method = make_method(Setup(settings, stages, walk, positive, capacity, generator))
         self.cloning_weight = torch.zeros((), device=device)
         self.program = Program(self._update, pays(settings), say)
         self._show(None)
@@ -111,7 +101,7 @@ class SacAgent:
         x = self._encode_options(seen, offered)
         value = self.sac.greedy_value(x) if greedy else self.sac.soft_value(x)
         value = value.view_as(offered)
-        value = option_values(self.table, offered, value, self.settings, self._wait(seen, offered))
+        value = self.method.worth(seen, offered, value)
         if not greedy:
             noise = torch.rand(value.shape, generator=self.generator, device=device)
             alpha = self.sac.log_alpha.exp()[:, None, None]
@@ -140,11 +130,11 @@ class SacAgent:
         flat = action.reshape(*state.shape, -1)
         scaled = 2 * (flat - self.low) / (self.high - self.low) - 1
         self.replay.add(self.layout.pack(observation, scaled, after, state, letter, terminal))
-        self.discriminators.norm.update(torch.from_numpy(after).to(self.generator.device))
+        self.method.see(after)
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
-        """Store a finished segment in its stage buffer."""
-        self.buffers.add(seed, buffer, observations)
+        """Take in a finished segment's states."""
+        self.method.segment(seed, buffer, observations)
 
     def finish(self, over: NDArray[np.bool_], length: Int) -> None:
         """Episodes have ended: transitions are all that matters here."""
@@ -189,14 +179,11 @@ class SacAgent:
         if s.relabel:
             state = draw_states(self.live, (s.seeds, s.batch_size), self.shown_rows, random)
         noise = self.sac.noise(s.batch_size * (self.options.shape[2] + 1))
-        judged = self.discriminators.draw() if self.judges else None
-        return Chance(rows, shown, state, noise, judged)
+        return Chance(rows, shown, state, noise, self.method.draw())
 
     def _update(self, chance: Chance) -> dict[str, Tensor]:
         """Algorithm 1, lines 16 to 24: discriminators, critics, actor and targets."""
-        losses = {}
-        if chance.discriminators is not None:
-            losses["discriminator"] = self.discriminators.update(chance.discriminators)
+        losses = self.method.learn(chance.method)
         batch = self._batch(chance)
         x = self.encode(batch.observation, batch.state)
         options = self.options[batch.state, batch.letter]
@@ -207,7 +194,7 @@ class SacAgent:
             drawn.rows(slice(arrived.shape[1], None)),
         )
         value = self.sac.soft_value(arrived, later).view_as(options)
-        target = self.target(batch, options, value)
+        target = self.method.target(batch, options, value)
         losses["critic"] = self.sac.update_critics(x, batch.action, target)
         imitated = None
         if chance.shown is not None and self.settings.warm_start != "none":
@@ -228,40 +215,9 @@ class SacAgent:
         read = torch.where(chance.state < 0, batch.state, chance.state)
         return replace(batch, state=read)
 
-    def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
-        """Eq. 4 with the rewards of today's discriminators, [seed, n].
-
-        `value` [seed, n, K] is V(s', b') of each of the `options` b'.
-        """
-        reward = self._reward(batch.observation, batch.state)
-        wait = self._wait(batch.next_observation, options)
-        return tiloil_target(
-            self.table,
-            batch.state,
-            reward,
-            options,
-            value,
-            batch.terminal,
-            self.settings,
-            wait,
-        )
-
-    def _reward(self, observation: Tensor, state: Tensor) -> Tensor:
-        """Eq. 8 of (s, b) with today's discriminators, [seed, n]."""
-        bonus = torch.zeros((), device=observation.device)
-        if self.judges:
-            bonus = self.discriminators.bonus(observation, self.table.code[state])
-        return stage_reward(self.table, state, bonus, self.settings)
-
-    def _wait(self, observation: Tensor, options: Tensor) -> Tensor | None:
-        """What is paid for a jump that takes a step; None where jumps do not."""
-        return self._reward(observation, options[..., 0]) if self.walk.costly else None
-
     def policy(self) -> State:
         """What acting needs; each tensor's first axis counts seeds, or seeds times two."""
-        policy = self.sac.policy()
-        if self.walk.costly and self.judges:  # jumps that take a step are paid by them
-            policy |= with_prefix("judges", self.discriminators.policy())
+        policy = {**self.sac.policy(), **with_prefix("method", self.method.policy())}
         return {name: tensor.cpu() for name, tensor in policy.items()}
 
     def fixed(self) -> State:
@@ -271,34 +227,32 @@ class SacAgent:
             "half": self.encode.half.cpu(),
             "low": torch.from_numpy(self.low.reshape(self.action_shape)),
             "high": torch.from_numpy(self.high.reshape(self.action_shape)),
-            "code": self.table.code.cpu(),
-            "entry": exact_values(self.table, self.settings).cpu(),
+            "code": self.code.cpu(),
+            "entry": self.method.known().cpu(),
         }
 
     def load_policy(self, state: State) -> None:
         """Take what `policy` gave."""
         self.sac.load_policy(state)
-        if self.walk.costly and self.judges:
-            self.discriminators.load_policy(under("judges", state))
+        self.method.load_policy(under("method", state))
 
     def rings(self) -> dict[str, Ring]:
-        """The replay's rows and the stage buffers' states."""
-        return {"replay": self.replay.ring(), "stages": self.buffers.ring()}
+        """The replay's rows, and what the algorithm keeps."""
+        return {"replay": self.replay.ring(), **with_prefix("method", self.method.rings())}
 
     def rewards(self, observations: Floats) -> Tensor:
-        """Eq. 8 of s [n, d] in each automaton state b, by today's discriminators: [seed, b, n]."""
+        """What the algorithm pays for s [n, d] in each automaton state b: [seed, b, n]."""
         seeds, states, n = self.settings.seeds, self.walk.states, len(observations)
         device = self.generator.device
         seen = torch.from_numpy(observations).to(device).repeat(states, 1).expand(seeds, -1, -1)
         state = torch.arange(states, device=device).repeat_interleave(n).expand(seeds, -1)
-        return self._reward(seen, state).view(seeds, states, n)
+        return self.method.reward(seen, state).view(seeds, states, n)
 
     def state(self) -> State:
         """Everything else that learning goes on from."""
         state = {
             **with_prefix("sac", self.sac.state()),
-            **with_prefix("discriminators", self.discriminators.state()),
-            **with_prefix("stages", self.buffers.state()),
+            **with_prefix("method", self.method.state()),
             **with_prefix("replay", self.replay.state()),
             "generator": self.generator.get_state(),
             "host": self.host.get_state(),
@@ -311,8 +265,7 @@ class SacAgent:
     def load(self, state: State) -> None:
         """Take what `state` gave."""
         self.sac.load(under("sac", state))
-        self.discriminators.load(under("discriminators", state))
-        self.buffers.load(under("stages", state))
+        self.method.load(under("method", state))
         self.replay.load(under("replay", state))
         self.generator.set_state(state["generator"])
         self.host.set_state(state["host"])

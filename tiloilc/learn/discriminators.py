@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import torch
 from torch import Tensor
 from torch.nn.functional import softplus
@@ -104,16 +102,6 @@ class RunningNorm:
         return (x - self.mean.to(x.dtype)) / deviation.to(x.dtype)
 
 
-@dataclass(frozen=True, slots=True)
-class Draws:
-    """The random part of an update: for states of buffers, uniform [seed, 2, stage, n]; for
-    demonstrations, rows [seed, stage, n].
-    """
-
-    uniform: Tensor
-    shown: Tensor | None
-
-
 class Discriminators:
     """f_b for every stage b: separate networks, or one that is told the stage (appendix F.2).
 
@@ -168,19 +156,23 @@ class Discriminators:
         values = torch.cat([values, torch.zeros_like(observation[:, None, :, 0])], dim=1)
         return values.gather(1, self.slot[state][:, None]).squeeze(1)
 
-    def draw(self) -> Draws:
-        """What the next update needs of chance."""
+    def draw(self) -> State:
+        """What the next update needs of chance.
+
+        `uniform` [seed, 2 · stage, n] for states of buffers, `shown` [seed, stage, n] for those of
+        demonstrations, if there are any.
+        """
         seeds, n = len(self.trained), self.settings.discriminator_batch
         random = self.generator
         uniform = torch.rand((seeds, 2 * self.stages, n), generator=random, device=random.device)
         if len(self.demonstrations) == 0:
-            return Draws(uniform, None)
+            return {"uniform": uniform}
         shape = (seeds, self.stages, n)
         count = len(self.demonstrations)
         shown = torch.randint(count, shape, generator=random, device=random.device)
-        return Draws(uniform, shown)
+        return {"uniform": uniform, "shown": shown}
 
-    def update(self, draws: Draws | None = None) -> Tensor:
+    def update(self, draws: State | None = None) -> Tensor:
         """One step of binary cross-entropy on every stage; the loss of each seed."""
         states, ready = self._batch(draws or self.draw())
         seeds, _, n, d = states.shape
@@ -192,17 +184,17 @@ class Discriminators:
         entropy = softplus(logits) - wanted * logits
         return (entropy.mean(2) * ready).sum(1)
 
-    def _batch(self, draws: Draws) -> tuple[Tensor, Tensor]:
+    def _batch(self, draws: State) -> tuple[Tensor, Tensor]:
         """As many positive as negative states, in this order: [seed, stage, 2n, d]; and which
         stages have both [seed, stage].
 
         `demo_fraction` of the positive ones are of demonstrations; all, while there are no others.
         """
         held = self.buffers.available(self.unions).unflatten(1, (2, self.stages))
-        drawn = self.buffers.sample(self.unions, draws.uniform).unflatten(1, (2, self.stages))
+        drawn = self.buffers.sample(self.unions, draws["uniform"]).unflatten(1, (2, self.stages))
         positive, ready = drawn[:, 0], held.all(1)
-        if draws.shown is not None:
-            shown = self.demonstrations[draws.shown]
+        if "shown" in draws:
+            shown = self.demonstrations[draws["shown"]]
             n = shown.shape[2]
             few = torch.arange(n, device=shown.device) < round(n * self.settings.demo_fraction)
             positive = torch.where((few | ~held[:, 0, :, None])[..., None], shown, positive)

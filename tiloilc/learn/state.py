@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from torch import Tensor
 
 State: TypeAlias = dict[str, Tensor]
+Part = TypeVar("Part")
 
 
-def with_prefix(prefix: str, state: Mapping[str, Tensor]) -> State:
-    """The same tensors under `prefix.name`."""
+def with_prefix(prefix: str, state: Mapping[str, Part]) -> dict[str, Part]:
+    """The same parts under `prefix.name`."""
     return {f"{prefix}.{name}": tensor for name, tensor in state.items()}
 
 

@@ -1,4 +1,4 @@
-"""TiLoIL: what a transition is worth (paper, Eq. 4 and 8), for batches of stacked seeds."""
+"""TiLoIL (paper, Algorithm 1): what a transition is worth, for batches of stacked seeds."""
 
 from __future__ import annotations
 
@@ -7,9 +7,101 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from tiloilc.learn.discriminators import Discriminators, StageBuffers
+from tiloilc.learn.method import Setup
+from tiloilc.learn.replay import Batch
+from tiloilc.learn.ring import Ring
+from tiloilc.learn.state import State, under, with_prefix
 from tiloilc.plan import Stages
-from tiloilc.product import Walk
+from tiloilc.product import Floats, Walk
 from tiloilc.spec.settings import Settings
+
+
+class TiLoIL:
+    """Lines 13 to 23 of Algorithm 1: stage buffers, their discriminators, Eq. 8 and Eq. 4."""
+
+    def __init__(self, setup: Setup) -> None:
+        s, stages = setup.settings, setup.stages
+        self.settings, self.walk = s, setup.walk
+        self.device = setup.generator.device
+        self.table = StageTable.of(stages, setup.walk, s).to(self.device)
+        capacity = min(s.stage_buffer_size, setup.capacity)
+        self.buffers = StageBuffers(
+            s.seeds, stages.sink_buffer + 1, capacity, setup.dimensions, self.device
+        )
+        self.discriminators = Discriminators(
+            stages, self.buffers, setup.demonstrations, s, setup.generator
+        )
+        self.judges = (s.beta > 0 or not s.stages) and self.discriminators.stages > 0
+
+    def see(self, after: Floats) -> None:
+        """Normalise by all states so far."""
+        self.discriminators.norm.update(torch.from_numpy(after).to(self.device))
+
+    def segment(self, seed: int, buffer: int, observations: Floats) -> None:
+        """Store a segment in its stage buffer (lines 9 to 14)."""
+        self.buffers.add(seed, buffer, observations)
+
+    def draw(self) -> State:
+        """Which states the discriminators compare."""
+        return self.discriminators.draw() if self.judges else {}
+
+    def learn(self, chance: State) -> dict[str, Tensor]:
+        """A step of all discriminators (lines 15 to 19)."""
+        return {"discriminator": self.discriminators.update(chance)} if self.judges else {}
+
+    def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
+        """Eq. 4 with the rewards of today's discriminators."""
+        reward = self.reward(batch.observation, batch.state)
+        wait = self._wait(batch.next_observation, options)
+        return tiloil_target(
+            self.table, batch.state, reward, options, value, batch.terminal, self.settings, wait
+        )
+
+    def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
+        """The same values as in targets."""
+        wait = self._wait(observation, options)
+        return option_values(self.table, options, value, self.settings, wait)
+
+    def reward(self, observation: Tensor, state: Tensor) -> Tensor:
+        """Eq. 8 of (s, b) with today's discriminators, [seed, n]."""
+        bonus = torch.zeros((), device=observation.device)
+        if self.judges:
+            bonus = self.discriminators.bonus(observation, self.table.code[state])
+        return stage_reward(self.table, state, bonus, self.settings)
+
+    def _wait(self, observation: Tensor, options: Tensor) -> Tensor | None:
+        """What is paid for a jump that takes a step; None where jumps do not."""
+        return self.reward(observation, options[..., 0]) if self.walk.costly else None
+
+    def known(self) -> Tensor:
+        """Exact values of acceptance and sinks."""
+        return exact_values(self.table, self.settings)
+
+    def policy(self) -> State:
+        """The discriminators, where they pay for jumps that take a step."""
+        return self.discriminators.policy() if self.walk.costly and self.judges else {}
+
+    def load_policy(self, state: State) -> None:
+        """Take what `policy` gave."""
+        if state:
+            self.discriminators.load_policy(state)
+
+    def rings(self) -> dict[str, Ring]:
+        """The stage buffers' states."""
+        return {"stages": self.buffers.ring()}
+
+    def state(self) -> State:
+        """The discriminators, and how full the buffers are."""
+        return {
+            **with_prefix("discriminators", self.discriminators.state()),
+            **with_prefix("stages", self.buffers.state()),
+        }
+
+    def load(self, state: State) -> None:
+        """Take what `state` gave."""
+        self.discriminators.load(under("discriminators", state))
+        self.buffers.load(under("stages", state))
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,10 @@ Widths = Annotated[tuple[Width, ...], Field(min_length=1, max_length=16)]
 """Limits are far beyond what learns: a slip of the finger is a finding, not a full memory."""
 
 
+ALGORITHMS = ("tiloil", "cloning")
+"""What `algorithm` may be without any package that adds more."""
+
+
 class Settings(Model):
     """The `train` section with every setting resolved (paper, table 5 and appendix H.2).
 
@@ -38,8 +42,11 @@ class Settings(Model):
 
     model_config = ConfigDict(json_schema_extra={"required": ["steps"]})
 
-    algorithm: Literal["tiloil", "cloning"] = Field(
-        description="what is learned (Algorithm 1); `cloning` stops where learning would begin"
+    algorithm: str = Field(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$",
+        examples=list(ALGORITHMS),
+        description="`tiloil` (Algorithm 1); `cloning`, which stops where learning would begin; or "
+        "what an installed package adds",
     )
     preset: Literal["default", "paper"] = Field(description="where unset settings come from")
     backbone: Literal["auto", "sac", "tabular"] = Field(
