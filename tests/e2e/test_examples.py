@@ -33,7 +33,8 @@ def copied(
     ignored = shutil.ignore_patterns("__pycache__", "build", "runs", "*.egg-info")
     copy = shutil.copytree(root / "examples" / request.param, tmp_path / "copy", ignore=ignored)
     if (copy / "pyproject.toml").exists():
-        target = installed(copy, tmp_path / "installed")
+        source = shutil.copytree(copy, tmp_path / "source")  # building leaves files there
+        target = installed(source, tmp_path / "installed")
         monkeypatch.setenv("PYTHONPATH", str(target), prepend=os.pathsep)
     return copy
 
