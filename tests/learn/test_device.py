@@ -61,6 +61,8 @@ def _to_meta(thing: Any, seen: dict[int, Any]) -> Any:
         made: Any = thing.to("meta")
     elif isinstance(thing, list | tuple):
         made = type(thing)(_to_meta(part, seen) for part in thing)
+    elif isinstance(thing, dict):
+        made = {name: _to_meta(part, seen) for name, part in thing.items()}
     elif dataclasses.is_dataclass(thing) and not isinstance(thing, type):
         parts = {f.name: _to_meta(getattr(thing, f.name), seen) for f in dataclasses.fields(thing)}
         return dataclasses.replace(thing, **parts)
