@@ -29,7 +29,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("actor_hidden=[0]", "`actor_hidden` must be greater than 0, not `0`"),
         ("segment=maybe", "`segment` must be true or false, not `maybe`"),
         ("preset=x", "`preset` must be `default` or `paper`, not `x`"),
-        ("gamma=1", "`gamma` must be less than 1, not `1`"),
+        ("gamma=1", "`gamma` must be at most 0.99999, not `1`"),
         ("betta=1", "no setting `betta`; did you mean `beta`?"),
         ("beta", "--set needs NAME=VALUE"),
     ],

@@ -182,6 +182,11 @@ def test_a_formula_that_nothing_satisfies_is_lost_from_the_start(
 # A terminal
 
 
+def _heed_interrupts() -> None:
+    """As at a terminal: what runs in the background is started with interrupts ignored."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 class Terminal:
     """`tiloilc step` at a pseudo-terminal."""
 
@@ -196,6 +201,7 @@ class Terminal:
             stderr=slave,
             env=environment,
             start_new_session=True,
+            preexec_fn=_heed_interrupts,
         )
         os.close(slave)
         self.shown = ""
