@@ -62,7 +62,6 @@ PATTERNS = (
     "F G (({0}) -> X ({1})) & G F ({2})",
     "F (a & (({0}) R (!({0}) R (({0}) R ({1})))))",
     "G (a | (!b & c) U (b | ({0}) | (G c | !c W ({1}))))",
-    "({0}) | (c | {1}) R F (a | {2})",
 )
 """Shapes that need jumps: few random formulas do."""
 

@@ -34,7 +34,7 @@ def test_a_few_hundred_pairs_have_the_probability_that_storm_says(patterns: bool
     series = compare(250, 1, patterns)
     assert [verdict.text for verdict in series.wrong] == []
     assert series.jumping > (125 if patterns else 10), "the pairs are of the kind they should be"
-    assert series.between > 8
+    assert series.between > (4 if patterns else 8), "and not all are sure"
     assert series.silent < 10
 
 
