@@ -13,23 +13,9 @@ from pathlib import Path
 import pytest
 
 from tests.cli.running import Run, runner
-from tests.learn.kills import TASKS, Task, left_by
+from tests.learn.kills import TASKS, Task, grid_task, left_by
 
-GRID = """\
-name: round
-environment:
-  id: tiloilc/GridCircular-v0
-  kwargs: {zones: 2}
-  horizon: 12
-propositions:
-  a: 15 <= x <= 19 and 8 <= y <= 12
-  b: 8 <= x <= 12 and 15 <= y <= 19
-  z: 7 <= x <= 13 and 7 <= y <= 13
-formula: "G F (a & X F b) & G !z"
-demonstrations: {source: expert, count: 2, max_visits: 1, actions: inferred}
-train: {steps: 60, seeds: 2, learning_starts: 20, checkpoint_every: 10}
-evaluate: {episodes: 2, every: 30}
-"""
+GRID = grid_task("round", 60, 10, 30)
 
 CHATTY = """\
 import os

@@ -24,18 +24,27 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 
-TABLE = """\
-name: table
-environment: {id: tiloilc/GridCircular-v0, kwargs: {zones: 2}, horizon: 12}
+
+def grid_task(name: str, steps: int, checkpoint_every: int, every: int) -> str:
+    """A small task on a table."""
+    return f"""\
+name: {name}
+environment:
+  id: tiloilc/GridCircular-v0
+  kwargs: {{zones: 2}}
+  horizon: 12
 propositions:
   a: 15 <= x <= 19 and 8 <= y <= 12
   b: 8 <= x <= 12 and 15 <= y <= 19
   z: 7 <= x <= 13 and 7 <= y <= 13
 formula: "G F (a & X F b) & G !z"
-demonstrations: {source: expert, count: 2, max_visits: 1, actions: inferred}
-train: {steps: 1500, seeds: 2, learning_starts: 20, checkpoint_every: 50}
-evaluate: {episodes: 2, every: 500}
+demonstrations: {{source: expert, count: 2, max_visits: 1, actions: inferred}}
+train: {{steps: {steps}, seeds: 2, learning_starts: 20, checkpoint_every: {checkpoint_every}}}
+evaluate: {{episodes: 2, every: {every}}}
 """
+
+
+TABLE = grid_task("table", 1500, 50, 500)
 
 SAC = """\
 name: sac

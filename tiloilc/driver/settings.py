@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import Diagnostic, Span, did_you_mean
 from tiloilc.plan import Stages
-from tiloilc.spec.settings import ALGORITHMS, Settings
+from tiloilc.spec.settings import ALGORITHM_GROUP, ALGORITHMS, Settings
 
 MAX_BETA = 0.5
 """Below it a later stage always pays more than an earlier one (paper, below Eq. 8)."""
@@ -47,7 +47,7 @@ def _algorithm_findings(name: str, place: Callable[[str], Span | None]) -> Itera
     """JOB610 where neither this package nor an installed one has the algorithm `name`."""
     if name in ALGORITHMS:
         return
-    others = sorted(entry_points(group="tiloilc.algorithms").names)
+    others = sorted(entry_points(group=ALGORITHM_GROUP).names)
     if name not in others:
         problem = "no installed package has it"
         help = did_you_mean(name, [*ALGORITHMS, *others])

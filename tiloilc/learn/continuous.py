@@ -21,7 +21,7 @@ from tiloilc.learn.ring import Ring
 from tiloilc.learn.sac import Imitated, SoftActorCritic
 from tiloilc.learn.shown import Shown
 from tiloilc.learn.state import State, under, with_prefix
-from tiloilc.learn.tiloil import StageTable
+from tiloilc.learn.tiloil import input_states
 from tiloilc.plan import Stages
 from tiloilc.product import Floats, Int, Walk
 from tiloilc.spec.settings import Settings
@@ -55,7 +55,7 @@ class SacAgent:
         self.low, self.high = action_space.low.reshape(-1), action_space.high.reshape(-1)
         self.action_shape = action_space.shape
         self.layout = Layout(d, m)
-        self.code = StageTable.of(stages, walk, settings).to(device).code
+        self.code = input_states(walk, settings).to(device)
         self.encode = Inputs(observation_space, shown.positive, self.code, walk.states)
         self.options = torch.from_numpy(walk.options).to(device)
         live = [b for b in range(walk.states) if b != walk.sink]

@@ -19,7 +19,7 @@ from tiloilc.learn.ring import Ring
 from tiloilc.learn.state import State
 from tiloilc.plan import Stages
 from tiloilc.product import Floats, Walk
-from tiloilc.spec.settings import ALGORITHMS, Settings
+from tiloilc.spec.settings import ALGORITHM_GROUP, ALGORITHMS, Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,5 +171,4 @@ def make_method(setup: Setup) -> Method:
 
 
 def _registered(name: str) -> EntryPoint | None:
-    found = entry_points(group="tiloilc.algorithms", name=name)
-    return next(iter(found), None)
+    return next(iter(entry_points(group=ALGORITHM_GROUP, name=name)), None)

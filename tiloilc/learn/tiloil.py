@@ -108,9 +108,7 @@ class TiLoIL:
 class StageTable:
     """What the targets need to know of each automaton state, as tensors [states].
 
-    `code[b]` is the state that stands for b in the networks' input: b itself, or, with
-    `accepting_target: segment`, the state that reads every letter as the accepting state b does,
-    since the next segment begins there.
+    `code[b]` is the state that stands for b in the networks' input, see `input_states`.
     """
 
     index: Tensor
@@ -125,15 +123,12 @@ class StageTable:
         sink = torch.zeros(walk.states, dtype=torch.bool)
         if walk.sink >= 0:
             sink[walk.sink] = True
-        code = list(range(walk.states))
-        if settings.segment and settings.accepting_target == "segment":
-            code = [_reads_as(walk, b) for b in code]
         return cls(
             torch.tensor(stages.index, dtype=torch.float32),
             torch.tensor(stages.length, dtype=torch.float32).clamp(min=1),
             torch.from_numpy(walk.accepting),
             sink,
-            torch.tensor(code),
+            input_states(walk, settings),
         )
 
     def to(self, device: torch.device) -> StageTable:
@@ -145,6 +140,18 @@ class StageTable:
             self.sink.to(device),
             self.code.to(device),
         )
+
+
+def input_states(walk: Walk, settings: Settings) -> Tensor:
+    """The state that stands for each automaton state b in the networks' input, [states].
+
+    That is b itself, or, with `accepting_target: segment`, the state that reads every letter as the
+    accepting state b does, since the next segment begins there.
+    """
+    states = list(range(walk.states))
+    if settings.segment and settings.accepting_target == "segment":
+        states = [_reads_as(walk, b) for b in states]
+    return torch.tensor(states)
 
 
 def _reads_as(walk: Walk, state: int) -> int:

@@ -33,6 +33,9 @@ Widths = Annotated[tuple[Width, ...], Field(min_length=1, max_length=16)]
 ALGORITHMS = ("tiloil", "cloning")
 """What `algorithm` may be without any package that adds more."""
 
+ALGORITHM_GROUP = "tiloilc.algorithms"
+"""The entry points by which packages add algorithms."""
+
 
 class Settings(Model):
     """The `train` section with every setting resolved (paper, table 5 and appendix H.2).
