@@ -156,3 +156,10 @@ def test_no_damage_to_the_bytes_causes_any_other_error(data: st.DataObject) -> N
     except CompileError as error:
         codes = [d.code for d in error.diagnostics]
     assert set(codes) <= {"PLAN407"}
+
+
+def test_a_plan_without_a_dataset_is_written_as_before_there_were_any() -> None:
+    assert '"minari"' not in to_json(PLANS[0])
+    wanted = Demonstrations(minari="walk-v0")
+    named = dataclasses.replace(PLANS[0], demonstrations=wanted)
+    assert from_json(to_json(named)) == named

@@ -1,10 +1,10 @@
 """The app: which verbs there are, what is loaded for them, and what happens when one fails.
 
 A verb is a module of this package, or of `logic` if it is about formulas and automata, with a
-function `command`, whose signature is its usage and whose docstring is its help. Modules are
-imported to show the help, so they import what is heavy inside their functions. A verb returns
-nothing and ends otherwise than well by `raise typer.Exit(status)`, or by letting a CompileError
-pass.
+function `command`, whose signature is its usage and whose docstring is its help; or a package with
+a `group` of such commands, which stands last. Modules are imported to show the help, so they import
+what is heavy inside their functions. A verb returns nothing and ends otherwise than well by
+`raise typer.Exit(status)`, or by letting a CompileError pass.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ VERBS = {
     "bench": "bench",
     "schema": "schema",
     "doctor": "doctor",
+    "demos": "demos",
 }
 """The verbs in the order of the help, and the modules they are in."""
 
@@ -57,7 +58,11 @@ def build_app(wanted: str | None = None) -> typer.Typer:
     app.callback()(_root)
     for verb in [wanted] if wanted in VERBS else VERBS:
         assert verb is not None
-        app.command(verb)(import_module(f"tiloilc.cli.{VERBS[verb]}").command)
+        module = import_module(f"tiloilc.cli.{VERBS[verb]}")
+        if hasattr(module, "group"):
+            app.add_typer(module.group, name=verb)
+        else:
+            app.command(verb)(module.command)
     return app
 
 

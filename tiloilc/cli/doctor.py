@@ -38,6 +38,7 @@ OPTIONAL = {
         "the Fetch tasks",
         "pip install 'tiloilc[mujoco]'",
     ),
+    "minari": ("minari", "demonstrations as Minari datasets", "pip install 'tiloilc[minari]'"),
     "onnx": ("onnx", "exported policies", "pip install 'tiloilc[onnx]'"),
     "tensorboard": (
         "tensorboard",

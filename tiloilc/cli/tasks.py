@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from tiloilc.cli.console import fail, guests
 
 if TYPE_CHECKING:
+    from tiloilc.demos import DemoSet
     from tiloilc.plan import Plan
 
 
@@ -26,3 +27,23 @@ def plan_of(path: Path) -> Plan:
         return read_plan(path)
     with guests():
         return compile_spec(path).plan
+
+
+def task_file(task: str) -> Path:
+    """The path that `task` is, or the bundled task file of that name."""
+    from importlib.resources import files
+
+    path, ours = Path(task), Path(str(files("tiloilc.specs"))) / f"{task}.yaml"
+    return ours if not path.exists() and ours.is_file() else path
+
+
+def demonstrations_in(source: str) -> DemoSet:
+    """The demonstrations of an .npz, or of a Minari dataset.
+
+    Raises CompileError DEMO500 if they cannot be read.
+    """
+    from tiloilc.demos import load
+    from tiloilc.demos.minari import from_minari
+
+    is_file = source.endswith(".npz") or Path(source).is_file()
+    return load(source) if is_file else from_minari(source)

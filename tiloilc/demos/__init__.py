@@ -5,13 +5,14 @@ from tiloilc.demos.files import load, save
 from tiloilc.demos.model import Demo, DemoSet
 from tiloilc.demos.recording import expert_names, record
 from tiloilc.demos.replay import Labels, Replay, best_run, replay, replay_all
-from tiloilc.demos.sources import bundled, demonstrations_for, record_best
+from tiloilc.demos.sources import as_wanted, bundled, demonstrations_for, record_best
 
 __all__ = [
     "Demo",
     "DemoSet",
     "Labels",
     "Replay",
+    "as_wanted",
     "best_run",
     "bundled",
     "check_replays",

@@ -30,8 +30,8 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 """The earliest time a zip archive can name; it stands for no time at all."""
 
 
-class _Damaged(Exception):
-    """What is wrong with a file, in words."""
+class Damaged(Exception):
+    """What is wrong with stored demonstrations, in words."""
 
 
 def save(path: Path | str, demos: DemoSet) -> None:
@@ -64,7 +64,7 @@ def load(path: Path | str, span: Span | None = None) -> DemoSet:
         arrays = _arrays(path)
         episodes = _episodes(arrays)
         meta = _sidecar(path.with_suffix(".json"), len(episodes))
-    except (_Damaged, OSError) as damage:
+    except (Damaged, OSError) as damage:
         problem = damage.strerror if isinstance(damage, OSError) else str(damage)
         problem = problem or type(damage).__name__
         raise CompileError(
@@ -95,7 +95,7 @@ def _arrays(path: Path) -> dict[str, npt.NDArray[np.generic]]:
         with zipfile.ZipFile(path) as bundle:
             members = bundle.infolist()
             if sum(member.file_size for member in members) > MAX_BYTES:
-                raise _Damaged("it unpacks to more than 2 GiB")
+                raise Damaged("it unpacks to more than 2 GiB")
             arrays = {}
             for member in members:
                 with bundle.open(member) as stream:
@@ -103,9 +103,9 @@ def _arrays(path: Path) -> dict[str, npt.NDArray[np.generic]]:
                     arrays[name] = _array(stream, name, member.file_size)
             return arrays
     except zipfile.BadZipFile:
-        raise _Damaged("it is not a whole .npz archive") from None
+        raise Damaged("it is not a whole .npz archive") from None
     except (zlib.error, EOFError, RuntimeError, NotImplementedError, UnicodeError):
-        raise _Damaged("its archive is damaged") from None
+        raise Damaged("its archive is damaged") from None
 
 
 def _array(stream: IO[bytes], name: str, size: int) -> npt.NDArray[np.generic]:
@@ -117,19 +117,19 @@ def _array(stream: IO[bytes], name: str, size: int) -> npt.NDArray[np.generic]:
         elif version == (2, 0):
             shape, fortran, dtype = np.lib.format.read_array_header_2_0(stream)
         else:
-            raise _Damaged(f"`{name}` has an unknown array format")
+            raise Damaged(f"`{name}` has an unknown array format")
     except ValueError:
-        raise _Damaged(f"`{name}` is not an array") from None
+        raise Damaged(f"`{name}` is not an array") from None
     if dtype.hasobject or dtype.kind not in "biuf":
-        raise _Damaged(f"`{name}` does not hold numbers")
+        raise Damaged(f"`{name}` does not hold numbers")
     count = 1
     for length in shape:
         count *= length
     if count * dtype.itemsize > size:
-        raise _Damaged(f"`{name}` is cut off")
+        raise Damaged(f"`{name}` is cut off")
     content = stream.read()
     if len(content) != count * dtype.itemsize:
-        raise _Damaged(f"`{name}` is cut off")
+        raise Damaged(f"`{name}` is cut off")
     array = np.frombuffer(content, dtype)
     return array.reshape(shape, order="F" if fortran else "C").copy()
 
@@ -139,19 +139,19 @@ def _episodes(arrays: dict[str, npt.NDArray[np.generic]]) -> tuple[Demo, ...]:
         arrays = _split(arrays)
     count = sum(name.startswith("observations_") for name in arrays)
     if count == 0:
-        raise _Damaged("it has no `observations_0`")
+        raise Damaged("it has no `observations_0`")
     episodes = []
     for i in range(count):
         if f"observations_{i}" not in arrays:
-            raise _Damaged(f"it has {count} episodes, but no `observations_{i}`")
-        observations = _observations(arrays[f"observations_{i}"], f"observations_{i}")
+            raise Damaged(f"it has {count} episodes, but no `observations_{i}`")
+        observations = checked_observations(arrays[f"observations_{i}"], f"observations_{i}")
         actions = arrays.get(f"actions_{i}")
         if actions is not None:
-            _check_actions(actions, len(observations) - 1, i)
+            check_actions(actions, len(observations) - 1, i)
         episodes.append(Demo(observations, actions))
     sizes = sorted({demo.observations.shape[1] for demo in episodes})
     if len(sizes) > 1:
-        raise _Damaged(f"its episodes have different numbers of components: {sizes}")
+        raise Damaged(f"its episodes have different numbers of components: {sizes}")
     return tuple(episodes)
 
 
@@ -163,27 +163,29 @@ def _split(arrays: dict[str, npt.NDArray[np.generic]]) -> dict[str, npt.NDArray[
         if name in arrays:
             rows = arrays[name][None] if single else arrays[name]
             if rows.ndim == 0:
-                raise _Damaged(f"`{name}` is a single number")
+                raise Damaged(f"`{name}` is a single number")
             split |= {f"{name}_{i}": row for i, row in enumerate(rows)}
     return split
 
 
-def _observations(array: npt.NDArray[np.generic], name: str) -> Floats:
+def checked_observations(array: npt.NDArray[np.generic], name: str) -> Floats:
+    """Observations [T+1, d] as they are kept. Raises Damaged if `array` is none of them."""
     if array.ndim != 2 or 0 in array.shape:
-        raise _Damaged(f"`{name}` has shape {list(array.shape)}, not [T+1, d]")
+        raise Damaged(f"`{name}` has shape {list(array.shape)}, not [T+1, d]")
     with np.errstate(over="ignore"):
         observations = array.astype(np.float32)
     if not np.isfinite(observations).all():
-        raise _Damaged(f"`{name}` has entries that are not finite numbers")
+        raise Damaged(f"`{name}` has entries that are not finite numbers")
     return observations
 
 
-def _check_actions(actions: Actions, steps: int, index: int) -> None:
+def check_actions(actions: Actions, steps: int, index: int) -> None:
+    """Raises Damaged if `actions` are not those of episode `index`, of `steps` steps."""
     if actions.ndim == 0 or len(actions) != steps:
         given = 0 if actions.ndim == 0 else len(actions)
-        raise _Damaged(f"`actions_{index}` has {given} actions for {steps} steps")
+        raise Damaged(f"`actions_{index}` has {given} actions for {steps} steps")
     if not np.isfinite(actions.astype(np.float64)).all():
-        raise _Damaged(f"`actions_{index}` has entries that are not finite numbers")
+        raise Damaged(f"`actions_{index}` has entries that are not finite numbers")
 
 
 def _sidecar(path: Path, episodes: int) -> dict[str, Any]:
@@ -192,13 +194,13 @@ def _sidecar(path: Path, episodes: int) -> dict[str, Any]:
     except FileNotFoundError:
         return {"schema_version": SCHEMA_VERSION}
     except (ValueError, RecursionError):
-        raise _Damaged(f"its sidecar {path.name} is not JSON") from None
+        raise Damaged(f"its sidecar {path.name} is not JSON") from None
     if not isinstance(meta, dict):
-        raise _Damaged(f"its sidecar {path.name} is not a JSON object")
+        raise Damaged(f"its sidecar {path.name} is not a JSON object")
     version = meta.get("schema_version")
     if version != SCHEMA_VERSION:
-        raise _Damaged(f"its sidecar has schema version {version}, not {SCHEMA_VERSION}")
+        raise Damaged(f"its sidecar has schema version {version}, not {SCHEMA_VERSION}")
     steps = meta.get("steps")
     if isinstance(steps, list) and len(steps) != episodes:
-        raise _Damaged(f"its sidecar is of {len(steps)} episodes, the archive has {episodes}")
+        raise Damaged(f"its sidecar is of {len(steps)} episodes, the archive has {episodes}")
     return meta

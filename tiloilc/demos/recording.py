@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -28,19 +29,24 @@ def record(
     expert: str | None = None,
     count: int = 5,
     seed: int = 0,
+    noise: float | None = None,
     span: Span | None = None,
 ) -> DemoSet:
     """Let an expert act in `count` episodes of at most `horizon` steps and keep what it does.
 
-    `expert` names one of those that the environment publishes; None: its first. An episode in
+    `expert` names one of those that the environment publishes, or is `file.py:function` (see
+    `tiloilc.demos.functions`); None: the environment's first. An episode in
     which the expert does not finish its rounds is kept only if no later one is better: up to
     MAX_TRIES are tried. Episode i begins with `reset(seed=seeds[i])`, the expert's own noise is
-    drawn from the same seed. Raises CompileError DEMO506 if there is no such expert.
+    drawn from the same seed. `noise` takes the place of the expert's own; 0 is none.
+    Raises CompileError DEMO506 if there is no such expert, DEMO509 if it has no noise to set.
     """
     import gymnasium
 
     env = _make(environment, kwargs or {})
     chosen = _choose(env, environment, expert, span)
+    if noise is not None:
+        chosen = _with_noise(chosen, noise)
     episodes: list[Demo] = []
     seeds: list[int] = []
     unfinished: list[tuple[Demo, int]] = []
@@ -57,7 +63,7 @@ def record(
         episodes.append(demo)
         seeds.append(trial)
     env.close()
-    meta = {
+    meta: dict[str, Any] = {
         "schema_version": 1,
         "environment": {"id": environment, "kwargs": dict(kwargs or {}), "horizon": horizon},
         "expert": chosen.name,
@@ -70,6 +76,8 @@ def record(
             "tiloilc": __version__,
         },
     }
+    if noise is not None:
+        meta["noise"] = noise
     return DemoSet(tuple(episodes), meta)
 
 
@@ -98,7 +106,9 @@ def _make(environment: str, kwargs: Mapping[str, Any]) -> gymnasium.Env[Any, Any
 
     if environment.startswith("tiloilc/"):
         import tiloilc.tasks  # noqa: F401  # registers the environments
-    return gymnasium.make(environment, disable_env_checker=True, **kwargs)
+    # how long an episode is, the task says, as in training
+    unlimited = {"max_episode_steps": -1, "disable_env_checker": True}
+    return gymnasium.make(environment, **{**unlimited, **kwargs})
 
 
 def _choose(
@@ -106,6 +116,10 @@ def _choose(
 ) -> Expert:
     from tiloilc.tasks import experts_of
 
+    if name is not None and ":" in name:
+        from tiloilc.demos.functions import function_expert
+
+        return function_expert(name, env.action_space)
     experts = experts_of(env)
     for expert in experts:
         if name in (None, expert.name):
@@ -116,6 +130,17 @@ def _choose(
             "DEMO506", span, environment=environment, help=f"its experts: {known}" if known else ""
         )
     )
+
+
+def _with_noise(expert: Expert, noise: float) -> Expert:
+    """The same expert, acting with so much noise."""
+    fields = getattr(expert, "__dataclass_fields__", {})
+    if "noise" not in fields:
+        problem = "it has no noise to set"
+        raise CompileError(Diagnostic.of("DEMO509", reference=expert.name, problem=problem))
+    like: Any = expert
+    changed: Expert = dataclasses.replace(like, noise=noise)
+    return changed
 
 
 def _episode(

@@ -1,4 +1,4 @@
-"""Where a task file's demonstrations come from: a file, the bundled ones, or an expert."""
+"""Where a task file's demonstrations come from: a file, Minari, the bundled ones, an expert."""
 
 from __future__ import annotations
 
@@ -32,6 +32,10 @@ def demonstrations_for(
     """
     if wanted.file is not None:
         demos = load(folder / wanted.file, span)
+    elif wanted.minari is not None:
+        from tiloilc.demos.minari import from_minari
+
+        demos = from_minari(wanted.minari, span)
     elif wanted.source == "expert":
         shipped = bundled(name)
         if shipped is None or not _fits(shipped, wanted, environment, labels, ldba):
@@ -41,6 +45,14 @@ def demonstrations_for(
         demos = shipped
     else:
         return DemoSet(())
+    return as_wanted(demos, wanted, span)
+
+
+def as_wanted(demos: DemoSet, wanted: Demonstrations, span: Span | None = None) -> DemoSet:
+    """As many of `demos` as are wanted, of the wanted length, with actions or without.
+
+    Raises CompileError DEMO505 if actions are wanted, but there are none.
+    """
     demos = demos.take(wanted.count)
     if wanted.max_steps is not None:
         demos = demos.cut([wanted.max_steps] * len(demos))
@@ -63,13 +75,15 @@ def record_best(
     name: str,
     count: int,
     seed: int = 0,
+    noise: float | None = None,
     span: Span | None = None,
 ) -> DemoSet:
     """Record `count` episodes with the environment's expert for this task.
 
     An environment may have experts for several tasks. Taken is the one of whose demonstrations
     the automaton accepts most; of equals one that the task's `name` ends with, then the one that
-    is accepted earliest. Raises CompileError DEMO506 if there is none.
+    is accepted earliest. `noise` takes the place of their own. Raises CompileError DEMO506 if there
+    is none.
     """
     names = expert_names(environment.id, environment.kwargs)
     if not names:
@@ -82,6 +96,7 @@ def record_best(
             expert=expert,
             count=count,
             seed=seed,
+            noise=noise,
             span=span,
         )
         for expert in names

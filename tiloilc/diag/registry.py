@@ -172,6 +172,8 @@ RULES: dict[str, Rule] = _rules(
         "demonstrations-of-another-environment",
         "the demonstrations were recorded in {recorded}, not in {environment}",
     ),
+    Rule("DEMO509", E, "unusable-expert", "cannot use the expert `{reference}`: {problem}"),
+    Rule("DEMO510", E, "dataset-not-written", "cannot write the dataset `{name}`: {problem}"),
     # Environment and settings
     Rule("JOB600", E, "environment", "cannot make `{environment}`: {problem}"),
     Rule("JOB601", W, "irreproducible-reset", "`{environment}` does not reset reproducibly"),

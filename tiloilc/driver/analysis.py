@@ -10,7 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tiloilc.automaton.ldba import Ldba
-from tiloilc.demos import DemoSet, check_replays, check_shape, demonstrations_for, replay_all
+from tiloilc.demos import (
+    DemoSet,
+    as_wanted,
+    check_replays,
+    check_shape,
+    demonstrations_for,
+    replay_all,
+)
 from tiloilc.diag import Diagnostic, Severity, SourceText, Span
 from tiloilc.driver.demonstrations import fit_findings, origin_findings
 from tiloilc.driver.environment import Asked, ask
@@ -21,7 +28,7 @@ from tiloilc.driver.settings import doubtful_findings, settings_findings
 from tiloilc.label import compile_predicates
 from tiloilc.ltl import Parsed, parse
 from tiloilc.plan import Stages, importable, stage_findings, stage_plan
-from tiloilc.spec import Document, Environment, Spec, examine_spec
+from tiloilc.spec import Demonstrations, Document, Environment, Spec, examine_spec
 
 Labels = Callable[[NDArray[np.float32]], NDArray[np.int64]]
 
@@ -40,6 +47,7 @@ class Analysis:
     parsed: Parsed | None
     ldba: Ldba | None
     stages: Stages | None
+    labels: Labels | None
     demos: DemoSet | None
     diagnostics: tuple[Diagnostic, ...]
 
@@ -49,10 +57,11 @@ class Analysis:
         return any(d.severity is Severity.ERROR for d in self.diagnostics)
 
 
-def analyse(path: str | os.PathLike[str]) -> Analysis:
+def analyse(path: str | os.PathLike[str], given: DemoSet | None = None) -> Analysis:
     """Look at the task file `path`: everything that can be said of it without training.
 
-    Raises CompileError only where there is nothing to look at (SPEC100, SPEC105, SPEC106).
+    Demonstrations that are `given`, all of them, take the place of those of the task file. Raises
+    CompileError only where there is nothing to look at (SPEC100, SPEC105, SPEC106).
     """
     document, spec, found = examine_spec(path)
     findings = Findings(list(found))
@@ -86,10 +95,9 @@ def analyse(path: str | os.PathLike[str]) -> Analysis:
             findings.attempt(lambda: labels(asked.seen))
         demos = None
         if spec and asked and labels and ldba and not findings.failed:
-            demos = _demonstrations(spec, asked, labels, ldba, document, findings)
-    return Analysis(
-        document, spec, asked, fields, parsed, ldba, stages, demos, tuple(findings.ordered())
-    )
+            demos = _demonstrations(spec, asked, labels, ldba, document, findings, given)
+    found_all = tuple(findings.ordered())
+    return Analysis(document, spec, asked, fields, parsed, ldba, stages, labels, demos, found_all)
 
 
 def _has(document: Document, key: str) -> bool:
@@ -217,25 +225,35 @@ def _beside(document: Document, reference: SourceText) -> SourceText:
 
 
 def _demonstrations(
-    spec: Spec, asked: Asked, labels: Labels, ldba: Ldba, document: Document, findings: Findings
+    spec: Spec,
+    asked: Asked,
+    labels: Labels,
+    ldba: Ldba,
+    document: Document,
+    findings: Findings,
+    given: DemoSet | None,
 ) -> DemoSet | None:
     """The demonstrations as the plan takes them: checked, and cut after the wanted visits."""
     wanted = spec.demonstrations
-    if wanted is None:
-        return None
-    key = "file" if wanted.file is not None else "source"
-    span = document.span("demonstrations", key)
-    demos = findings.attempt(
-        lambda: demonstrations_for(
-            wanted,
-            spec.environment,
-            labels,
-            ldba,
-            name=spec.name,
-            folder=document.path.parent,
-            span=span,
+    if given is not None:
+        span, wanted = None, wanted or Demonstrations()
+        every = wanted.model_copy(update={"count": len(given)})
+        demos = findings.attempt(lambda: as_wanted(given, every))
+    elif wanted is not None:
+        span = document.span("demonstrations", wanted.kind)
+        demos = findings.attempt(
+            lambda: demonstrations_for(
+                wanted,
+                spec.environment,
+                labels,
+                ldba,
+                name=spec.name,
+                folder=document.path.parent,
+                span=span,
+            )
         )
-    )
+    else:
+        return None
     if not demos:
         return demos
     wrong = check_shape(demos, asked.dimensions, span) or list(fit_findings(demos, asked, span))

@@ -100,12 +100,17 @@ def to_json(plan: Plan) -> str:
         "formula": plan.formula,
         "automaton": automaton_json(plan.ldba),
         "stages": dataclasses.asdict(plan.stages),
-        "demonstrations": plan.demonstrations.model_dump(mode="json"),
+        "demonstrations": _demonstrations(plan.demonstrations),
         "train": plan.train.model_dump(mode="json"),
         "evaluate": plan.evaluate.model_dump(mode="json"),
         "digests": dict(plan.digests),
     }
     return canonical(about) + "\n"
+
+
+def _demonstrations(wanted: Demonstrations) -> Json:
+    """A key that came later is written where it is given only: plans of before stay the same."""
+    return wanted.model_dump(mode="json", exclude={"minari"} if wanted.minari is None else None)
 
 
 def digest(plan: Plan) -> str:

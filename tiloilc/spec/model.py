@@ -25,6 +25,9 @@ class Demonstrations(Model):
 
     source: Literal["expert"] | None = Field(default=None, description="the task's scripted expert")
     file: str | None = Field(default=None, description="an .npz of demonstrations")
+    minari: str | None = Field(
+        default=None, min_length=1, description="the id of a Minari dataset on this machine"
+    )
     count: Whole = Field(
         default=5, ge=0, le=100_000, description="how many are used (appendix G.2)"
     )
@@ -40,6 +43,13 @@ class Demonstrations(Model):
     actions: Literal["none", "recorded", "inferred"] = Field(
         default="none", description="what may enter the replay beside the states"
     )
+
+    @property
+    def kind(self) -> Literal["source", "file", "minari"]:
+        """The key that says where they come from."""
+        if self.file is not None:
+            return "file"
+        return "source" if self.minari is None else "minari"
 
 
 class Evaluate(Model):

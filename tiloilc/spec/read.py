@@ -32,7 +32,10 @@ MAX_PROPOSITIONS = 62
 _TEXT_KEYS = ("name", "description", "formula", "automaton")
 """Their values are text, whatever they look like: `formula: true`, `name: 2026`."""
 
-_ALTERNATIVES = (((), ("formula", "automaton")), (("demonstrations",), ("source", "file")))
+_ALTERNATIVES = (
+    ((), ("formula", "automaton")),
+    (("demonstrations",), ("source", "file", "minari")),
+)
 """In these mappings exactly one of these keys is needed."""
 
 _CONSTANTS = frozenset({"true", "false", "0", "1"})
@@ -195,7 +198,7 @@ def _exactly_one(
     root: MappingNode, node: MappingNode, parent: tuple[str, ...], keys: Iterable[str]
 ) -> Iterator[Diagnostic]:
     given = [key for key in keys if child(node, key) is not None]
-    names = " and ".join(f"`{key}`" for key in keys)
+    names = " and ".join(f"`{key}`" for key in given or keys)
     if not given:
         where = f"`{'.'.join(parent)}`" if parent else "the task file"
         yield Diagnostic.of(
