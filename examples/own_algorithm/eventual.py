@@ -7,7 +7,7 @@ ICML 2023).
 
 import torch
 
-from tiloilc.learn.method import Plain
+from tiloilc.learn.algorithm import Plain
 
 ELSEWHERE = 0.999
 """The discount where nothing is accepted: 1 would leave waiting for ever as good as arriving."""

@@ -11,7 +11,7 @@ import pytest
 from tests.report.runs import plan
 from tiloilc.cli.progress import Progress
 from tiloilc.learn import Watched
-from tiloilc.learn.tally import Tally
+from tiloilc.learn.run.tally import Tally
 
 
 class Terminal(io.StringIO):

@@ -61,8 +61,8 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 
 @pytest.fixture(autouse=True)
 def quick_cloning(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tiloilc.learn.cloning.INVERSE_STEPS", 20)
-    monkeypatch.setattr("tiloilc.learn.cloning.CLONING_STEPS", 20)
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 20)
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.CLONING_STEPS", 20)
 
 
 @pytest.fixture

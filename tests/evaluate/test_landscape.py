@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 import torch
 
-from tests.learn.test_train import Task, flatworld, go, grid, point
+from tests.learn.run.test_train import Task, flatworld, go, grid, point
 from tiloilc.evaluate.landscape import SIDE, landscape
 from tiloilc.learn import trained_agent
-from tiloilc.learn.continuous import SacAgent
+from tiloilc.learn.agent.continuous import SacAgent
 
 
 @pytest.fixture(autouse=True)
 def quick_cloning(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tiloilc.learn.cloning.INVERSE_STEPS", 20)
-    monkeypatch.setattr("tiloilc.learn.cloning.CLONING_STEPS", 20)
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 20)
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.CLONING_STEPS", 20)
 
 
 def trained(task: Task, run: Path) -> dict[str, np.ndarray[Any, Any]] | None:

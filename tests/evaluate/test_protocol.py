@@ -50,8 +50,8 @@ def trained(task: Task, run: Path) -> Path:
 
 @pytest.fixture(autouse=True)
 def quick_cloning(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tiloilc.learn.cloning.INVERSE_STEPS", 20)
-    monkeypatch.setattr("tiloilc.learn.cloning.CLONING_STEPS", 20)
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 20)
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.CLONING_STEPS", 20)
 
 
 def rollout(states: list[list[list[int]]], accepting: int, sink: int) -> Rollout:

@@ -15,7 +15,7 @@ from tests.plan.automata import automaton, ring, stabilization
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import DemoSet
 from tiloilc.learn import make_loop
-from tiloilc.learn.tabular import TabularAgent
+from tiloilc.learn.agent.tabular import TabularAgent
 from tiloilc.plan import Plan
 
 SIZE, GAMMA = 5, 0.9

@@ -9,7 +9,7 @@ import torch
 from tests.product import worlds  # noqa: F401  # registers
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import Demo, DemoSet
-from tiloilc.learn.shown import Shown
+from tiloilc.learn.agent.shown import Shown
 from tiloilc.plan import Plan, stage_plan
 from tiloilc.product import Floats, Int
 from tiloilc.spec.model import Demonstrations, Environment, Evaluate

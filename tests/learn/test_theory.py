@@ -28,7 +28,7 @@ from tests.learn.exact import (
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import DemoSet
 from tiloilc.learn import make_loop
-from tiloilc.learn.tabular import TabularAgent
+from tiloilc.learn.agent.tabular import TabularAgent
 from tiloilc.plan import Plan
 
 TIGHT = 2e-5

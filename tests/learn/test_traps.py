@@ -20,7 +20,7 @@ from tests.plan.automata import flatworld_cycle, ring
 from tests.product import worlds  # noqa: F401  # registers
 from tiloilc.automaton import translate
 from tiloilc.automaton.ldba import Ldba
-from tiloilc.learn.tiloil import StageTable, stage_reward
+from tiloilc.learn.algorithm.tiloil import StageTable, stage_reward
 from tiloilc.ltl import parse
 from tiloilc.plan import stage_plan
 from tiloilc.product import Copies, Product, walk_tables
@@ -38,10 +38,14 @@ class Trap:
     not_here: str = ""
 
 
-LOOP, TARGETS, TABULAR = "learn/test_loop.py", "learn/test_targets.py", "learn/test_tabular.py"
+LOOP, TARGETS, TABULAR = (
+    "learn/run/test_loop.py",
+    "learn/algorithm/test_targets.py",
+    "learn/agent/test_tabular.py",
+)
 JUDGES, AGENT, THEORY = (
-    "learn/test_discriminators.py",
-    "learn/test_continuous.py",
+    "learn/algorithm/test_discriminators.py",
+    "learn/agent/test_continuous.py",
     "learn/test_theory.py",
 )
 HERE, SEGMENTS, STAGES = "learn/test_traps.py", "product/test_segments.py", "plan/test_stages.py"
@@ -111,7 +115,7 @@ TRAPS = {
         (
             f"{STAGES}::test_equal_distances_go_to_the_larger_index_then_to_the_last_visit",
             f"{STAGES}::test_a_segment_that_ends_in_the_sink_is_kept_whole",
-            "learn/test_equations.py::test_the_stage_that_is_taken_is_one_that_equation_7_names",
+            "learn/algorithm/test_equations.py::test_the_stage_that_is_taken_is_one_that_equation_7_names",
         ),
     ),
     9: Trap(

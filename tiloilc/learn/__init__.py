@@ -1,10 +1,10 @@
 """The only place that knows torch: networks, buffers, targets, agents, the loop, checkpoints."""
 
-from tiloilc.learn.agent import Agent, Policy
-from tiloilc.learn.events import last_events
-from tiloilc.learn.job import Labels, make_agent, make_loop
-from tiloilc.learn.shown import Shown
-from tiloilc.learn.train import (
+from tiloilc.learn.agent.protocol import Agent, Policy
+from tiloilc.learn.agent.shown import Shown
+from tiloilc.learn.run.events import last_events
+from tiloilc.learn.run.job import Labels, make_agent, make_loop
+from tiloilc.learn.run.train import (
     CHECKPOINTS,
     EVENTS,
     POLICIES,

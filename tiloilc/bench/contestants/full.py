@@ -11,7 +11,7 @@ import numpy as np
 from tiloilc.bench.automata.alone import peak_memory
 from tiloilc.bench.contestants.work import Work
 from tiloilc.driver import compile_spec, labeller
-from tiloilc.learn.job import make_loop
+from tiloilc.learn.run.job import make_loop
 
 CHUNK = 10_000
 """Transitions that are stored at once."""

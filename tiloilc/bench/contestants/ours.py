@@ -10,8 +10,8 @@ import numpy as np
 from tiloilc.bench.contestants.work import WARM_UP, Run, Work
 from tiloilc.demos import DemoSet
 from tiloilc.driver import compile_spec, labeller
-from tiloilc.learn.job import make_loop
-from tiloilc.learn.loop import Loop
+from tiloilc.learn.run.job import make_loop
+from tiloilc.learn.run.loop import Loop
 from tiloilc.plan import Plan
 from tiloilc.product import Copies, Product, walk_tables
 

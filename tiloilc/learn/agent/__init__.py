@@ -1,0 +1,1 @@
+"""What learns, on continuous tasks and on tables, and what it is shown."""

@@ -1,0 +1,110 @@
+"""Actions for state-only demonstrations, and a policy cloned from them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.learn.agent.shown import Shown
+from tiloilc.learn.engine.networks import Adam, StackedMLP, Tape
+from tiloilc.learn.engine.replay import Layout, Replay
+from tiloilc.learn.engine.sac import SoftActorCritic, imitation
+
+INVERSE_HIDDEN = (64, 64)
+INVERSE_STEPS = 1500
+INVERSE_BATCH = 256
+INVERSE_RATE = 3e-3
+"""Inverse dynamics is a small regression; these settings fit FlatWorld to an error below 0.01."""
+
+CLONING_STEPS = 1000
+CLONING_BATCH = 128
+CLONING_RATE = 3e-3
+
+
+def demonstrated_rows(
+    shown: Shown,
+    replay: Replay,
+    layout: Layout,
+    low: NDArray[Any],
+    high: NDArray[Any],
+    generator: torch.Generator,
+) -> Tensor | None:
+    """The steps that are `shown` as rows of a replay, [seed, n, width]; None without steps.
+
+    Recorded actions are scaled from between `low` and `high`; where there are none
+    they are inferred from the agent's own steps. Raises CompileError JOB604 if it took none.
+    """
+    if len(shown.observation) == 0:
+        return None
+    seeds, device = replay.rows.shape[0], generator.device
+    before = torch.from_numpy(shown.observation).to(device).expand(seeds, -1, -1)
+    after = torch.from_numpy(shown.next_observation).to(device).expand(seeds, -1, -1)
+    if shown.action is None and len(replay) == 0:
+        problem = "actions cannot be inferred before a step was taken"
+        help = "take random steps first, 2,000 for instance"
+        raise CompileError(
+            Diagnostic.of("JOB604", setting="learning_starts", problem=problem, help=help)
+        )
+    if shown.action is None:
+        action = fit_inverse_dynamics(replay, layout, generator)(before, after)
+    else:
+        scaled = 2 * (shown.action - low) / (high - low) - 1
+        action = torch.from_numpy(scaled.astype(np.float32)).to(device).expand(seeds, -1, -1)
+    rest = torch.from_numpy(np.stack([shown.state, shown.letter], axis=1)).to(before)
+    ended = before.new_zeros(seeds, len(shown.state), 1)
+    return torch.cat([before, action, after, rest.expand(seeds, -1, -1), ended], dim=-1)
+
+
+def fit_inverse_dynamics(
+    replay: Replay, layout: Layout, generator: torch.Generator
+) -> InverseModel:
+    """Fit (s, s') → a on the agent's own transitions, for each seed on its own."""
+    model = InverseModel(replay, layout, generator)
+    for _ in range(INVERSE_STEPS):
+        batch = layout.unpack(replay.sample(INVERSE_BATCH, generator))
+        model.update(batch.observation, batch.next_observation, batch.action)
+    return model
+
+
+class InverseModel:
+    """a from (s, s' − s), both standardised on the replay; [seed, n, d] to [seed, n, m]."""
+
+    def __init__(self, replay: Replay, layout: Layout, generator: torch.Generator) -> None:
+        seen = layout.unpack(replay.rows[:, : len(replay)])
+        change = seen.next_observation - seen.observation
+        self.mean = seen.observation.mean(1, keepdim=True)
+        self.scale = seen.observation.std(1, keepdim=True).clamp(min=1e-6)
+        self.step = change.std(1, keepdim=True).clamp(min=1e-6)
+        sizes = [2 * layout.observation, *INVERSE_HIDDEN, layout.action]
+        self.net = StackedMLP(replay.rows.shape[0], sizes, generator)
+        self.adam = Adam(self.net.flat, INVERSE_RATE)
+
+    def __call__(self, observation: Tensor, after: Tensor) -> Tensor:
+        """The action that leads from `observation` to `after`, in [−1, 1]."""
+        return torch.tanh(self._forward(observation, after)[0])
+
+    def _forward(self, observation: Tensor, after: Tensor) -> tuple[Tensor, Tape]:
+        x = [(observation - self.mean) / self.scale, (after - observation) / self.step]
+        return self.net.forward(torch.cat(x, dim=-1))
+
+    def update(self, observation: Tensor, after: Tensor, action: Tensor) -> None:
+        """One step of least squares."""
+        mean, tape = self._forward(observation, after)
+        self.adam.step(self.net.backward(tape, imitation(mean, action)[1]))
+
+
+def clone(sac: SoftActorCritic, x: Tensor, action: Tensor, generator: torch.Generator) -> None:
+    """Behaviour cloning of demonstration steps x [seed, n, in] → action [seed, n, m]."""
+    adam = Adam(sac.actor.flat, CLONING_RATE)
+    for _ in range(CLONING_STEPS):
+        rows = torch.randint(x.shape[1], (CLONING_BATCH,), generator=generator, device=x.device)
+        out, tape = sac.actor.forward(x[:, rows])
+        mean, raw = out.split(sac.actions, dim=-1)
+        slope = imitation(mean, action[:, rows])[1]
+        to_out = torch.cat([slope, torch.zeros_like(raw)], dim=-1)
+        adam.step(sac.actor.backward(tape, to_out))

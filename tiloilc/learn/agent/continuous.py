@@ -1,0 +1,278 @@
+"""The agent on continuous tasks: SAC on the product, with the targets of an algorithm."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from tiloilc.learn.agent.cloning import clone, demonstrated_rows
+from tiloilc.learn.agent.shown import Shown
+from tiloilc.learn.algorithm.method import Setup, make_method
+from tiloilc.learn.algorithm.tiloil import input_states
+from tiloilc.learn.engine.chance import Chance, draw_shown, draw_states
+from tiloilc.learn.engine.device import check_memory, memory_of
+from tiloilc.learn.engine.inputs import Inputs
+from tiloilc.learn.engine.program import Program, Say, pays
+from tiloilc.learn.engine.replay import Batch, Layout, Replay
+from tiloilc.learn.engine.ring import Ring
+from tiloilc.learn.engine.sac import Imitated, SoftActorCritic
+from tiloilc.learn.engine.state import State, under, with_prefix
+from tiloilc.plan import Stages
+from tiloilc.product import Floats, Int, Walk
+from tiloilc.spec.settings import Settings
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Box, Space
+
+
+HOST_SEED = 2**32
+"""Keeps the noise of actions apart from what learning draws."""
+
+
+class SacAgent:
+    """Everything that learns, for all seeds at once. Arrays are [seed, copy, …]."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        stages: Stages,
+        walk: Walk,
+        observation_space: Space[Any],
+        action_space: Box,
+        shown: Shown,
+        generator: torch.Generator,
+        say: Say = lambda text: None,
+    ) -> None:
+        self.settings, self.walk, self.shown, self.generator = settings, walk, shown, generator
+        device = generator.device
+        self.host = torch.Generator().manual_seed(generator.initial_seed() + HOST_SEED)
+        d, m = shown.observation.shape[1], int(np.prod(action_space.shape))
+        self.low, self.high = action_space.low.reshape(-1), action_space.high.reshape(-1)
+        self.action_shape = action_space.shape
+        self.layout = Layout(d, m)
+        self.code = input_states(walk, settings).to(device)
+        self.encode = Inputs(observation_space, shown.positive, self.code, walk.states)
+        self.options = torch.from_numpy(walk.options).to(device)
+        live = [b for b in range(walk.states) if b != walk.sink]
+        self.live = self.code[live].unique()
+        seeds, buffers = settings.seeds, stages.sink_buffer + 1
+        self.sac = SoftActorCritic(seeds, d + walk.states, m, settings, generator)
+        self.memory = memory_of(settings, self.layout.width, d, buffers, self.sac.networks)
+        check_memory(self.memory, device, settings)
+        capacity = min(settings.buffer_size, settings.steps)
+        self.replay = Replay(seeds, capacity, self.layout.width, device)
+        positive = torch.from_numpy(shown.positive).to(device)
+        self.method = make_method(Setup(settings, stages, walk, positive, capacity, generator))
+        self.cloning_weight = torch.zeros((), device=device)
+        self.program = Program(self._update, pays(settings), say)
+        self._show(None)
+
+    def _show(self, rows: Tensor | None) -> None:
+        """Have `rows` of demonstrations in every batch from now on, as many as wanted."""
+        self.demo_rows = None if rows is None else rows.to(self.generator.device)
+        share = self.settings.demo_replay if rows is not None else 0
+        self.shown_rows = round(share * self.settings.batch_size)
+
+    def act(self, observations: Floats, states: Int, greedy: bool) -> Floats:
+        """Actions in the environment's units, [seed, copy, …]."""
+        noise = None
+        if not greedy:
+            shape = (*states.shape, len(self.low))
+            noise = torch.randn(shape, generator=self.host).numpy()
+        return self._to_environment(self.sac.act(self.encode.on_host(observations, states), noise))
+
+    def explore(self, rng: np.random.Generator, shape: tuple[int, int]) -> Floats:
+        """Uniformly random actions, [seed, copy, …]."""
+        drawn = rng.uniform(-1, 1, (*shape, len(self.low))).astype(np.float32)
+        return self._to_environment(drawn)
+
+    def choose(self, observations: Floats, options: Int, greedy: bool) -> Int:
+        """The option of greatest value (drawn by softmax of value / α while exploring)."""
+        if (options == options[..., :1]).all():  # most often there is nothing to choose
+            return options[..., 0]
+        device = self.generator.device
+        offered = torch.from_numpy(options).to(device)
+        seen = torch.from_numpy(observations).to(device)
+        x = self._encode_options(seen, offered)
+        value = self.sac.greedy_value(x) if greedy else self.sac.soft_value(x)
+        value = value.view_as(offered)
+        value = self.method.worth(seen, offered, value)
+        if not greedy:
+            noise = torch.rand(value.shape, generator=self.generator, device=device)
+            alpha = self.sac.log_alpha.exp()[:, None, None]
+            filled = offered == offered[..., :1]  # rows are filled up with their first option
+            filled[..., 0] = False
+            value = value - alpha * (-noise.clamp(1e-9, 1 - 1e-9).log()).log()
+            value = value.masked_fill(filled, -torch.inf)
+        chosen = offered.gather(-1, value.argmax(-1, keepdim=True))
+        return chosen.squeeze(-1).cpu().numpy()
+
+    def _encode_options(self, observation: Tensor, options: Tensor) -> Tensor:
+        """The networks' input for each option, [seed, n·K, d + states]."""
+        repeated = observation.repeat_interleave(options.shape[2], dim=1)
+        return self.encode(repeated, options.flatten(1))
+
+    def record(
+        self,
+        observation: Floats,
+        action: Floats,
+        after: Floats,
+        state: Int,
+        letter: Int,
+        terminal: NDArray[np.bool_],
+    ) -> None:
+        """Store one transition of each copy; all [seed, copy, …]."""
+        flat = action.reshape(*state.shape, -1)
+        scaled = 2 * (flat - self.low) / (self.high - self.low) - 1
+        self.replay.add(self.layout.pack(observation, scaled, after, state, letter, terminal))
+        self.method.see(after)
+
+    def segment(self, seed: int, buffer: int, observations: Floats) -> None:
+        """Take in a finished segment's states."""
+        self.method.segment(seed, buffer, observations)
+
+    def finish(self, over: NDArray[np.bool_], length: Int) -> None:
+        """Episodes have ended: transitions are all that matters here."""
+
+    def begin(self) -> bool:
+        """The random steps are over: give the demonstrations actions and clone them."""
+        clones = self.settings.warm_start != "none"
+        if clones or self.settings.demo_replay > 0:
+            self._show(
+                demonstrated_rows(
+                    self.shown,
+                    self.replay,
+                    self.layout,
+                    self.low,
+                    self.high,
+                    self.generator,
+                )
+            )
+        if self.demo_rows is None or not clones:
+            return False
+        batch = self.layout.unpack(self.demo_rows)
+        x = self.encode(batch.observation, batch.state)
+        clone(self.sac, x, batch.action, self.generator)
+        self.sac.reset_optimisers()
+        return True
+
+    def learn(self, progress: float) -> dict[str, Tensor]:
+        """One update, `progress` environment steps since learning began; losses by seed."""
+        s, weight = self.settings, 0.0
+        gone = progress / max(s.steps - s.learning_starts, 1)
+        self.sac.slow(1 - (1 - s.final_rate) * gone)
+        if s.warm_start != "none":
+            weight = max(1 - progress / max(s.warm_start_steps, 1), 0) / (1 - s.gamma)
+        self.cloning_weight.fill_(weight)
+        return self.program(self._draw())
+
+    def _draw(self) -> Chance:
+        """What the next update needs of chance."""
+        s, random = self.settings, self.generator
+        rows = self.replay.draw(s.batch_size - self.shown_rows, random)
+        shown, state = draw_shown(self.demo_rows, self.shown_rows, random), None
+        if s.relabel:
+            state = draw_states(self.live, (s.seeds, s.batch_size), self.shown_rows, random)
+        noise = self.sac.noise(s.batch_size * (self.options.shape[2] + 1))
+        return Chance(rows, shown, state, noise, self.method.draw())
+
+    def _update(self, chance: Chance) -> dict[str, Tensor]:
+        """Algorithm 1, lines 16 to 24: discriminators, critics, actor and targets."""
+        losses = self.method.learn(chance.method)
+        batch = self._batch(chance)
+        x = self.encode(batch.observation, batch.state)
+        options = self.options[batch.state, batch.letter]
+        arrived = self._encode_options(batch.next_observation, options)
+        drawn = self.sac.sample(torch.cat([arrived, x], dim=1), chance.noise)
+        later, now = (
+            drawn.rows(slice(0, arrived.shape[1])),
+            drawn.rows(slice(arrived.shape[1], None)),
+        )
+        value = self.sac.soft_value(arrived, later).view_as(options)
+        target = self.method.target(batch, options, value)
+        losses["critic"] = self.sac.update_critics(x, batch.action, target)
+        imitated = None
+        if chance.shown is not None and self.settings.warm_start != "none":
+            imitated = Imitated(batch.action[:, : self.shown_rows], self.cloning_weight)
+        losses["actor"] = self.sac.update_actor(x, now, imitated)
+        self.sac.follow()
+        return losses
+
+    def _batch(self, chance: Chance) -> Batch:
+        """A batch of which the first rows are demonstrations'."""
+        rows = self.replay.at(chance.rows)
+        if chance.shown is not None and self.demo_rows is not None:
+            places = chance.shown.expand(-1, -1, self.layout.width)
+            rows = torch.cat([self.demo_rows.gather(1, places), rows], dim=1)
+        batch = self.layout.unpack(rows)
+        if chance.state is None:
+            return batch
+        read = torch.where(chance.state < 0, batch.state, chance.state)
+        return replace(batch, state=read)
+
+    def policy(self) -> State:
+        """What acting needs; each tensor's first axis counts seeds, or seeds times two."""
+        policy = {**self.sac.policy(), **with_prefix("method", self.method.policy())}
+        return {name: tensor.cpu() for name, tensor in policy.items()}
+
+    def fixed(self) -> State:
+        """Scales of observations and actions, and what is known of each automaton state."""
+        return {
+            "middle": self.encode.middle.cpu(),
+            "half": self.encode.half.cpu(),
+            "low": torch.from_numpy(self.low.reshape(self.action_shape)),
+            "high": torch.from_numpy(self.high.reshape(self.action_shape)),
+            "code": self.code.cpu(),
+            "entry": self.method.known().cpu(),
+        }
+
+    def load_policy(self, state: State) -> None:
+        """Take what `policy` gave."""
+        self.sac.load_policy(state)
+        self.method.load_policy(under("method", state))
+
+    def rings(self) -> dict[str, Ring]:
+        """The replay's rows, and what the algorithm keeps."""
+        return {"replay": self.replay.ring(), **with_prefix("method", self.method.rings())}
+
+    def rewards(self, observations: Floats) -> Tensor:
+        """What the algorithm pays for s [n, d] in each automaton state b: [seed, b, n]."""
+        seeds, states, n = self.settings.seeds, self.walk.states, len(observations)
+        device = self.generator.device
+        seen = torch.from_numpy(observations).to(device).repeat(states, 1).expand(seeds, -1, -1)
+        state = torch.arange(states, device=device).repeat_interleave(n).expand(seeds, -1)
+        return self.method.reward(seen, state).view(seeds, states, n)
+
+    def state(self) -> State:
+        """Everything else that learning goes on from."""
+        state = {
+            **with_prefix("sac", self.sac.state()),
+            **with_prefix("method", self.method.state()),
+            **with_prefix("replay", self.replay.state()),
+            "generator": self.generator.get_state(),
+            "host": self.host.get_state(),
+            "compiled": torch.tensor(self.program.compiled),
+        }
+        if self.demo_rows is not None:
+            state["demo_rows"] = self.demo_rows
+        return state
+
+    def load(self, state: State) -> None:
+        """Take what `state` gave."""
+        self.sac.load(under("sac", state))
+        self.method.load(under("method", state))
+        self.replay.load(under("replay", state))
+        self.generator.set_state(state["generator"])
+        self.host.set_state(state["host"])
+        self.program.compiled = bool(state["compiled"])
+        self._show(state.get("demo_rows"))
+
+    def _to_environment(self, action: Floats) -> Floats:
+        scaled = self.low + 0.5 * (action + 1) * (self.high - self.low)
+        shape = (*action.shape[:2], *self.action_shape)
+        return scaled.reshape(shape).astype(np.float32)

@@ -1,0 +1,174 @@
+"""What an algorithm adds to soft actor-critic: how steps become targets, and what else is learned.
+
+An algorithm is a class with these methods, made from a `Setup`. Distributions register theirs by an
+entry point of the group `tiloilc.algorithms`, whose name is what `train.algorithm` says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from typing import Protocol
+
+import torch
+from torch import Generator, Tensor
+
+from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.learn.engine.replay import Batch
+from tiloilc.learn.engine.ring import Ring
+from tiloilc.learn.engine.state import State
+from tiloilc.plan import Stages
+from tiloilc.product import Floats, Walk
+from tiloilc.spec.settings import ALGORITHM_GROUP, ALGORITHMS, Settings
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What a method is made of.
+
+    `demonstrations` [rows, d] are states of demonstrations that got somewhere, `capacity` is how
+    many transitions of each seed are kept. All that is random comes from `generator`, and what
+    is learned lies on its device.
+    """
+
+    settings: Settings
+    stages: Stages
+    walk: Walk
+    demonstrations: Tensor
+    capacity: int
+    generator: Generator
+
+    @property
+    def dimensions(self) -> int:
+        """The numbers in an observation."""
+        return self.demonstrations.shape[1]
+
+
+class Method(Protocol):
+    """What the backbone asks of an algorithm, for all seeds at once.
+
+    While steps are collected, arrays are [seed, copy, …]; in an update, tensors are [seed, n, …].
+    An update asks `draw`, `learn`, `target`, in this order.
+    """
+
+    def see(self, after: Floats) -> None:
+        """The states [seed, copy, d] that a step has led to."""
+
+    def segment(self, seed: int, buffer: int, observations: Floats) -> None:
+        """A finished segment's states [m, d], for the stage buffer of that number."""
+
+    def draw(self) -> State:
+        """What the next `learn` needs of chance."""
+
+    def learn(self, chance: State) -> dict[str, Tensor]:
+        """One update of what is learned besides SAC; losses [seed] by name."""
+
+    def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
+        """What Q of each transition should be, [seed, n].
+
+        `value` [seed, n, K] is V(s', b') of each of the `options` b' that there are on arrival:
+        E[min Q − α log π] over today's policy.
+        """
+
+    def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
+        """What arriving in each of `options` is worth, [seed, n, K]: the greatest is taken."""
+
+    def known(self) -> Tensor:
+        """What arriving in each automaton state is worth, [states]; nan where V says it.
+
+        An exported policy goes by this, or else by V.
+        """
+
+    def reward(self, observation: Tensor, state: Tensor) -> Tensor:
+        """What being in (s, b) pays, [seed, n]; for pictures."""
+
+    def policy(self) -> State:
+        """What `worth` needs beside V; each tensor's first axis is a multiple of the seeds."""
+
+    def load_policy(self, state: State) -> None:
+        """Take what `policy` gave."""
+
+    def rings(self) -> dict[str, Ring]:
+        """What is too large to be saved whole each time, by name."""
+
+    def state(self) -> State:
+        """Everything else that learning goes on from."""
+
+    def load(self, state: State) -> None:
+        """Take what `state` gave."""
+
+
+class Plain:
+    """A method that learns nothing besides SAC; `target` is left to say."""
+
+    def __init__(self, setup: Setup) -> None:
+        self.settings, self.walk = setup.settings, setup.walk
+
+    def see(self, after: Floats) -> None:
+        """Nothing is kept."""
+
+    def segment(self, seed: int, buffer: int, observations: Floats) -> None:
+        """Nothing is kept."""
+
+    def draw(self) -> State:
+        """Nothing is random."""
+        return {}
+
+    def learn(self, chance: State) -> dict[str, Tensor]:
+        """Nothing is learned."""
+        return {}
+
+    def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
+        """V(s', b')."""
+        return value
+
+    def known(self) -> Tensor:
+        """Nothing is known."""
+        return torch.full((self.walk.states,), torch.nan)
+
+    def reward(self, observation: Tensor, state: Tensor) -> Tensor:
+        """No state pays by itself."""
+        return torch.zeros(state.shape)
+
+    def policy(self) -> State:
+        """Nothing is needed."""
+        return {}
+
+    def load_policy(self, state: State) -> None:
+        """Nothing is needed."""
+
+    def rings(self) -> dict[str, Ring]:
+        """Nothing is kept."""
+        return {}
+
+    def state(self) -> State:
+        """Nothing is kept."""
+        return {}
+
+    def load(self, state: State) -> None:
+        """Nothing is kept."""
+
+
+def make_method(setup: Setup) -> Method:
+    """The method that `settings.algorithm` names.
+
+    Raises CompileError JOB610 if it is somebody else's and cannot be made.
+    """
+    from tiloilc.learn.algorithm.tiloil import TiLoIL
+
+    name = setup.settings.algorithm
+    if name in ALGORITHMS:
+        return TiLoIL(setup)
+    point = _registered(name)
+    try:
+        if point is None:
+            raise LookupError("no installed package registers it")
+        method: Method = point.load()(setup)
+    except Exception as error:
+        problem = str(error) or type(error).__name__
+        raise CompileError(Diagnostic.of("JOB610", name=name, problem=problem)) from error
+    return method
+
+
+def _registered(name: str) -> EntryPoint | None:
+    return next(iter(entry_points(group=ALGORITHM_GROUP, name=name)), None)

@@ -1,0 +1,243 @@
+"""TiLoIL (paper, Algorithm 1): what a transition is worth, for batches of stacked seeds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from tiloilc.learn.algorithm.discriminators import Discriminators, StageBuffers
+from tiloilc.learn.algorithm.method import Setup
+from tiloilc.learn.engine.replay import Batch
+from tiloilc.learn.engine.ring import Ring
+from tiloilc.learn.engine.state import State, under, with_prefix
+from tiloilc.plan import Stages
+from tiloilc.product import Floats, Walk
+from tiloilc.spec.settings import Settings
+
+
+class TiLoIL:
+    """Lines 13 to 23 of Algorithm 1: stage buffers, their discriminators, Eq. 8 and Eq. 4."""
+
+    def __init__(self, setup: Setup) -> None:
+        s, stages = setup.settings, setup.stages
+        self.settings, self.walk = s, setup.walk
+        self.device = setup.generator.device
+        self.table = StageTable.of(stages, setup.walk, s).to(self.device)
+        capacity = min(s.stage_buffer_size, setup.capacity)
+        self.buffers = StageBuffers(
+            s.seeds, stages.sink_buffer + 1, capacity, setup.dimensions, self.device
+        )
+        self.discriminators = Discriminators(
+            stages, self.buffers, setup.demonstrations, s, setup.generator
+        )
+        self.judges = (s.beta > 0 or not s.stages) and self.discriminators.stages > 0
+
+    def see(self, after: Floats) -> None:
+        """Normalise by all states so far."""
+        self.discriminators.norm.update(torch.from_numpy(after).to(self.device))
+
+    def segment(self, seed: int, buffer: int, observations: Floats) -> None:
+        """Store a segment in its stage buffer (lines 9 to 14)."""
+        self.buffers.add(seed, buffer, observations)
+
+    def draw(self) -> State:
+        """Which states the discriminators compare."""
+        return self.discriminators.draw() if self.judges else {}
+
+    def learn(self, chance: State) -> dict[str, Tensor]:
+        """A step of all discriminators (lines 15 to 19)."""
+        return {"discriminator": self.discriminators.update(chance)} if self.judges else {}
+
+    def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
+        """Eq. 4 with the rewards of today's discriminators."""
+        reward = self.reward(batch.observation, batch.state)
+        wait = self._wait(batch.next_observation, options)
+        return tiloil_target(
+            self.table, batch.state, reward, options, value, batch.terminal, self.settings, wait
+        )
+
+    def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
+        """The same values as in targets."""
+        wait = self._wait(observation, options)
+        return option_values(self.table, options, value, self.settings, wait)
+
+    def reward(self, observation: Tensor, state: Tensor) -> Tensor:
+        """Eq. 8 of (s, b) with today's discriminators, [seed, n]."""
+        bonus = torch.zeros((), device=observation.device)
+        if self.judges:
+            bonus = self.discriminators.bonus(observation, self.table.code[state])
+        return stage_reward(self.table, state, bonus, self.settings)
+
+    def _wait(self, observation: Tensor, options: Tensor) -> Tensor | None:
+        """What is paid for a jump that takes a step; None where jumps do not."""
+        return self.reward(observation, options[..., 0]) if self.walk.costly else None
+
+    def known(self) -> Tensor:
+        """Exact values of acceptance and sinks."""
+        return exact_values(self.table, self.settings)
+
+    def policy(self) -> State:
+        """The discriminators, where they pay for jumps that take a step."""
+        return self.discriminators.policy() if self.walk.costly and self.judges else {}
+
+    def load_policy(self, state: State) -> None:
+        """Take what `policy` gave."""
+        if state:
+            self.discriminators.load_policy(state)
+
+    def rings(self) -> dict[str, Ring]:
+        """The stage buffers' states."""
+        return {"stages": self.buffers.ring()}
+
+    def state(self) -> State:
+        """The discriminators, and how full the buffers are."""
+        return {
+            **with_prefix("discriminators", self.discriminators.state()),
+            **with_prefix("stages", self.buffers.state()),
+        }
+
+    def load(self, state: State) -> None:
+        """Take what `state` gave."""
+        self.discriminators.load(under("discriminators", state))
+        self.buffers.load(under("stages", state))
+
+
+@dataclass(frozen=True)
+class StageTable:
+    """What the targets need to know of each automaton state, as tensors [states].
+
+    `code[b]` is the state that stands for b in the networks' input, see `input_states`.
+    """
+
+    index: Tensor
+    length: Tensor
+    accepting: Tensor
+    sink: Tensor
+    code: Tensor
+
+    @classmethod
+    def of(cls, stages: Stages, walk: Walk, settings: Settings) -> StageTable:
+        """The table of one plan."""
+        sink = torch.zeros(walk.states, dtype=torch.bool)
+        if walk.sink >= 0:
+            sink[walk.sink] = True
+        return cls(
+            torch.tensor(stages.index, dtype=torch.float32),
+            torch.tensor(stages.length, dtype=torch.float32).clamp(min=1),
+            torch.from_numpy(walk.accepting),
+            sink,
+            input_states(walk, settings),
+        )
+
+    def to(self, device: torch.device) -> StageTable:
+        """The same on a device."""
+        return StageTable(
+            self.index.to(device),
+            self.length.to(device),
+            self.accepting.to(device),
+            self.sink.to(device),
+            self.code.to(device),
+        )
+
+
+def input_states(walk: Walk, settings: Settings) -> Tensor:
+    """The state that stands for each automaton state b in the networks' input, [states].
+
+    That is b itself, or, with `accepting_target: segment`, the state that reads every letter as the
+    accepting state b does, since the next segment begins there.
+    """
+    states = list(range(walk.states))
+    if settings.segment and settings.accepting_target == "segment":
+        states = [_reads_as(walk, b) for b in states]
+    return torch.tensor(states)
+
+
+def _reads_as(walk: Walk, state: int) -> int:
+    """The first non-accepting state with the same options as accepting `state`, or itself."""
+    if not walk.accepting[state]:
+        return state
+    alike = (walk.options == walk.options[state]).all(axis=(1, 2)) & ~walk.accepting
+    return int(alike.argmax()) if alike.any() else state
+
+
+def stage_reward(table: StageTable, state: Tensor, bonus: Tensor, settings: Settings) -> Tensor:
+    """Eq. 8 of the current (s, b), `bonus` being tanh f_b(s); all [seed, n].
+
+    A sink pays its own reward: its stage index would be higher than what it deserves.
+    """
+    state = table.code[state]
+    if settings.stages:
+        reward = (table.index[state] + settings.beta * bonus) / table.length[state]
+    else:
+        reward = bonus
+    return torch.where(table.sink[state], settings.sink_reward, reward)
+
+
+def option_values(
+    table: StageTable,
+    options: Tensor,
+    soft_value: Tensor,
+    settings: Settings,
+    wait: Tensor | None = None,
+) -> Tensor:
+    """What each option is worth, [seed, n, K], given V(s', b') of each.
+
+    Entering acceptance and sinks has exact values (`exact_entry`): rows of acceptance are rare,
+    their Q is untrained for long. `wait` [seed, n] is R((s', b')) of the first option where jumps
+    take a step: a jump is an action whose whole effect is known, so its Q needs no network. It is
+    paid that reward now, and the state that it leads to comes a step later (definition 2.3). It has
+    read no letter, so acceptance by a jump alone has no exact value: it must prove its worth.
+    """
+    value = soft_value
+    if settings.exact_entry:
+        most = 1 / (1 - settings.gamma)
+        if settings.segment:
+            value = torch.where(table.accepting[options], most, value)
+        value = torch.where(table.sink[options], settings.sink_reward * most, value)
+    if wait is None:
+        return value
+    later = wait[..., None] + settings.gamma * soft_value
+    return torch.where(options == options[..., :1], value, later)
+
+
+def exact_values(table: StageTable, settings: Settings) -> Tensor:
+    """The values that `option_values` knows without asking, [states]; nan for other states."""
+    states = torch.arange(len(table.code), device=table.code.device)
+    nothing = torch.full(states.shape, torch.nan, device=states.device)
+    return option_values(table, states, nothing, settings)
+
+
+def tiloil_target(
+    table: StageTable,
+    state: Tensor,
+    reward: Tensor,
+    options: Tensor,
+    soft_value: Tensor,
+    terminal: Tensor,
+    settings: Settings,
+    wait: Tensor | None = None,
+) -> Tensor:
+    """Eq. 4, [seed, n], with the best of the options as next state.
+
+    `state` is b *before* the step: acceptance of b, not of b', counts. `options` and `soft_value`
+    are [seed, n, K], `wait` is as in `option_values`. An environment that has ended (`terminal`)
+    never accepts again.
+    """
+    most = 1 / (1 - settings.gamma)
+    lost = settings.sink_reward * most
+    values = option_values(table, options, soft_value, settings, wait)
+    if wait is not None:  # b' is the first option: to jump is a matter of the next step
+        options, soft_value = options[..., :1], soft_value[..., :1]
+    over = terminal & ~table.accepting[options].any(-1)
+    target = reward + settings.gamma * torch.where(over, lost, values.amax(-1))
+    if not settings.segment:
+        return target
+    if settings.accepting_target == "constant":
+        return torch.where(table.accepting[state], most, target)
+    after = torch.where(table.accepting[options], soft_value, most)
+    after = torch.where(table.sink[options], lost, after).amax(-1)
+    stays = table.accepting[state] & (table.code[state] == state)
+    after = torch.where(over, lost, after)
+    return torch.where(stays, 1 + settings.gamma * after, target)

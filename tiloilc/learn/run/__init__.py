@@ -1,0 +1,1 @@
+"""A training run: collecting and learning, checkpoints, events, and the job they belong to."""
