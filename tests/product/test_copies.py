@@ -121,3 +121,26 @@ def test_environments_use_no_global_randomness(name: str) -> None:
 
 def test_worlds_of_the_tests_are_registered() -> None:
     assert worlds.Line().observation_space.shape == (1,)
+
+
+def test_threads_step_mujocos_copies_as_one_after_the_other_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def rollout() -> tuple[bool, np.ndarray]:
+        many = copies("HalfCheetah-v5", 5)
+        seen = [many.reset([3, 1, 4, 1, 5], everyone(5))]
+        many.action_space.seed(0)
+        for _ in range(30):
+            actions = np.array([many.action_space.sample() for _ in range(5)])
+            seen.append(many.step(actions)[0])
+        threads = many._threads is not None
+        many.close()
+        return threads, np.stack(seen)
+
+    monkeypatch.setattr("tiloilc.product.environment._cores", lambda: 2)
+    monkeypatch.setattr("tiloilc.product.environment.LONG_STEP", 0.0)
+    by_threads, first = rollout()
+    monkeypatch.setattr("tiloilc.product.environment.LONG_STEP", 100.0)
+    by_none, second = rollout()
+    assert (by_threads, by_none) == (True, False)
+    assert np.array_equal(first, second)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import os
+import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -24,13 +27,17 @@ Floats = NDArray[np.float32]
 MAX_CELLS = 1_000_000
 """Observations beyond which no table is made: images are whole numbers too."""
 
+LONG_STEP = 2e-4
+"""Seconds; shorter steps are over before another thread has the interpreter."""
+
 
 class Copies:
     """`count` copies of an environment: flat float32 observations [n, d], no automatic reset.
 
     An environment that registers a `vector_entry_point` without automatic reset is stepped as one
-    array program, any other one by one. An environment's own time limit is not applied: how long
-    an episode is, the task says.
+    array program, any other one by one; those of MuJoCo by a thread for each core if their steps
+    are long, since its physics leaves the interpreter to others. An environment's own time limit is
+    not applied: how long an episode is, the task says.
     """
 
     def __init__(self, environment: Environment, count: int) -> None:
@@ -58,6 +65,9 @@ class Copies:
         )
         self._seen: Floats = np.zeros((count, self.dimensions), dtype=np.float32)
         self._range = bounds(self.observation_space) if self.finite else None
+        self._threads: ThreadPoolExecutor | None = None
+        self._shares = [range(count)]
+        self._untimed = bool(self.singles) and _by_mujoco(self.singles[0])
 
     def reset(self, seeds: Sequence[int], mask: NDArray[np.bool_]) -> Floats:
         """Begin an episode in the copies of `mask`; `seeds` has one entry for each copy.
@@ -71,12 +81,13 @@ class Copies:
                 options={"reset_mask": mask},
             )
             return self._flat(observations)
-        for i in np.flatnonzero(mask).tolist():
-            try:
+
+        def begin(i: int) -> None:
+            if mask[i]:
                 observation, _ = self.singles[i].reset(seed=int(seeds[i]))
                 self._seen[i] = self._checked(observation)
-            except Exception as error:
-                self._blame("reset() fails", error)
+
+        self._each(begin, "reset() fails")
         return self._seen.copy()
 
     def step(self, actions: NDArray[Any]) -> tuple[Floats, NDArray[np.bool_]]:
@@ -89,13 +100,15 @@ class Copies:
             observations, _, terminated, _, _ = self.vector.step(actions)
             return self._flat(observations), np.asarray(terminated, dtype=np.bool_)
         ended = np.zeros(self.count, dtype=np.bool_)
-        for i, (single, action) in enumerate(zip(self.singles, actions, strict=True)):
-            try:
-                observation, _, terminated, _, _ = single.step(action)
-                self._seen[i] = self._checked(observation)
-            except Exception as error:
-                self._blame("step() fails", error)
-            ended[i] = terminated
+
+        def go_on(i: int) -> None:
+            observation, _, ended[i], _, _ = self.singles[i].step(actions[i])
+            self._seen[i] = self._checked(observation)
+
+        began = time.perf_counter()
+        self._each(go_on, "step() fails")
+        if self._untimed:
+            self._share_out((time.perf_counter() - began) / self.count)
         return self._seen.copy(), ended
 
     def close(self) -> None:
@@ -104,6 +117,29 @@ class Copies:
             self.vector.close()
         for single in self.singles:
             single.close()
+        if self._threads is not None:
+            self._threads.shutdown()
+
+    def _share_out(self, seconds: float) -> None:
+        """Have threads step the copies from now on, if a step of one takes so long that it pays."""
+        self._untimed = False
+        threads = min(self.count, _cores())
+        if threads > 1 and seconds > LONG_STEP:
+            self._threads = ThreadPoolExecutor(threads)
+            self._shares = [range(i, self.count, threads) for i in range(threads)]
+
+    def _each(self, do: Callable[[int], None], fails: str) -> None:
+        """`do` it for every copy; whatever goes wrong is the environment's."""
+
+        def do_share(share: range) -> None:
+            for i in share:
+                do(i)
+
+        run = map if self._threads is None else self._threads.map
+        try:
+            list(run(do_share, self._shares))
+        except Exception as error:
+            self._blame(fails, error)
 
     def _checked(self, observation: Any) -> Floats:
         """One observation, flat. Raises ValueError if it cannot be learned from."""
@@ -209,6 +245,19 @@ def _single(name: str, environment: Environment) -> gym.Env[Any, Any]:
 
     unlimited = {"max_episode_steps": -1, "disable_env_checker": True}
     return gym.make(name, **{**unlimited, **environment.kwargs})
+
+
+def _by_mujoco(single: gym.Env[Any, Any]) -> bool:
+    """Whether MuJoCo does the work of an environment's steps."""
+    model = getattr(single.unwrapped, "model", None)
+    return type(model).__module__.partition(".")[0] == "mujoco"
+
+
+def _cores() -> int:
+    """The processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _import_module_of(name: str) -> str:

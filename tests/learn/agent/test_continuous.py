@@ -127,7 +127,8 @@ def test_rewards_are_those_of_todays_discriminators() -> None:
 
     before = targets()
     agent.method.discriminators.trained[:] = True
-    agent.method.discriminators.nets.flat.zero_()
+    for parameter in agent.method.discriminators.nets.parameters:
+        parameter.zero_()
     silent = targets()
     agent.method.discriminators.nets.biases[-1].fill_(20.0)  # tanh f = 1 everywhere
     loud = targets()

@@ -107,7 +107,7 @@ def test_memory_is_what_the_agent_holds() -> None:
     assert isinstance(agent, SacAgent)
     assert agent.replay.rows.nbytes == agent.memory.replay
     assert agent.rings()["method.stages"].rows.nbytes == agent.memory.stages
-    held = sum(nets.flat.nbytes for nets in (agent.sac.actor, agent.sac.critics))
+    held = sum(p.nbytes for nets in (agent.sac.actor, agent.sac.critics) for p in nets.parameters)
     assert held * 6 == agent.memory.networks
 
 

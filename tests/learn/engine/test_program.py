@@ -40,7 +40,7 @@ def test_what_cannot_be_compiled_is_called_as_it_is_and_one_line_says_so(
 
     monkeypatch.setattr(torch, "compile", lambda function, **kwargs: no_compiler)
     said: list[str] = []
-    program = Program(doubled, compiled=True, say=said.append)
+    program = Program(doubled, compiled=True, settled=True, say=said.append)
     assert program(torch.ones(1)).tolist() == [2]
     assert not program.compiled
     assert program(torch.ones(1)).tolist() == [2]
@@ -52,7 +52,7 @@ def test_a_platform_without_support_is_none_to_fail_on(monkeypatch: pytest.Monke
         raise RuntimeError("Windows not yet supported")
 
     monkeypatch.setattr(torch, "compile", unsupported)
-    program = Program(doubled, compiled=True, say=lambda text: None)
+    program = Program(doubled, compiled=True, settled=True, say=lambda text: None)
     assert program(torch.ones(1)).tolist() == [2]
 
 
@@ -61,7 +61,9 @@ def test_nothing_is_compiled_or_said_where_it_does_not_pay(
 ) -> None:
     monkeypatch.setattr(torch, "compile", None)
     said: list[str] = []
-    assert Program(doubled, compiled=False, say=said.append)(torch.ones(1)).tolist() == [2]
+    assert Program(doubled, compiled=False, settled=True, say=said.append)(
+        torch.ones(1)
+    ).tolist() == [2]
     assert said == []
 
 

@@ -188,15 +188,14 @@ def test_the_actors_slope_is_that_of_its_loss(layer_norm: bool, weight: float) -
         agent = sac(entropy=0.3, layer_norm=layer_norm, actor_hidden=(8, 8), critic_hidden=(8, 8))
         x, noise, action = inputs(), agent.noise(N), actions()[:, :2]
         parameters = [p.clone().requires_grad_() for p in agent.actor.parameters]
-        original = agent.actor.weights, agent.actor.biases
-        agent.actor.weights, agent.actor.biases = parameters[::2], parameters[1::2]
+        original, agent.actor.parameters = agent.actor.parameters, parameters
         loss = written_out(agent, x, noise, 0.3)
         greedy = torch.tanh(
             torch.stack([perceptron(agent.actor, s, x[s]) for s in range(SEEDS)])[..., :ACTIONS]
         )
         loss = loss + weight * (greedy[:, :2] - action).square().mean((1, 2))
         expected = torch.autograd.grad(loss.sum(), parameters)
-        agent.actor.weights, agent.actor.biases = original
+        agent.actor.parameters = original
         imitated = Imitated(action, torch.tensor(weight))
         found = agent.update_actor(x, agent.sample(x, noise), imitated)
     finally:
@@ -257,4 +256,5 @@ def test_forgotten_momentum_is_gone() -> None:
     for name, tensor in agent.state().items():
         if "adam" in name:
             assert torch.equal(tensor, fresh.state()[name]), name
-    assert not torch.equal(agent.critics.flat, fresh.critics.flat)
+    both = zip(agent.critics.parameters, fresh.critics.parameters, strict=True)
+    assert not any(torch.equal(mine, other) for mine, other in both)

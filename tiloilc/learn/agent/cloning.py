@@ -82,7 +82,7 @@ class InverseModel:
         self.step = change.std(1, keepdim=True).clamp(min=1e-6)
         sizes = [2 * layout.observation, *INVERSE_HIDDEN, layout.action]
         self.net = StackedMLP(replay.rows.shape[0], sizes, generator)
-        self.adam = Adam(self.net.flat, INVERSE_RATE)
+        self.adam = Adam(self.net.parameters, INVERSE_RATE)
 
     def __call__(self, observation: Tensor, after: Tensor) -> Tensor:
         """The action that leads from `observation` to `after`, in [−1, 1]."""
@@ -100,7 +100,7 @@ class InverseModel:
 
 def clone(sac: SoftActorCritic, x: Tensor, action: Tensor, generator: torch.Generator) -> None:
     """Behaviour cloning of demonstration steps x [seed, n, in] → action [seed, n, m]."""
-    adam = Adam(sac.actor.flat, CLONING_RATE)
+    adam = Adam(sac.actor.parameters, CLONING_RATE)
     for _ in range(CLONING_STEPS):
         rows = torch.randint(x.shape[1], (CLONING_BATCH,), generator=generator, device=x.device)
         out, tape = sac.actor.forward(x[:, rows])

@@ -24,7 +24,7 @@ from tiloilc.learn.engine.sac import Imitated, SoftActorCritic
 from tiloilc.learn.engine.state import State, under, with_prefix
 from tiloilc.plan import Stages
 from tiloilc.product import Floats, Int, Walk
-from tiloilc.spec.settings import Settings
+from tiloilc.spec.settings import ALGORITHMS, Settings
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Box, Space
@@ -69,7 +69,8 @@ class SacAgent:
         positive = torch.from_numpy(shown.positive).to(device)
         self.method = make_method(Setup(settings, stages, walk, positive, capacity, generator))
         self.cloning_weight = torch.zeros((), device=device)
-        self.program = Program(self._update, pays(settings), say)
+        settled = settings.algorithm in ALGORITHMS  # who knows what others keep
+        self.program = Program(self._update, pays(settings), settled, say)
         self._show(None)
 
     def _show(self, rows: Tensor | None) -> None:

@@ -132,7 +132,7 @@ class Discriminators:
         stack = seeds if self.shared else seeds * self.stages
         sizes = [inputs, *settings.discriminator_hidden, 1]
         self.nets = StackedMLP(stack, sizes, generator)
-        self.adam = Adam(self.nets.flat, settings.discriminator_rate)
+        self.adam = Adam(self.nets.parameters, settings.discriminator_rate)
         self.norm = RunningNorm(seeds, d, device)
         self.demonstrations = demonstrations
         self.trained = torch.zeros(seeds, self.stages, dtype=torch.bool, device=device)

@@ -66,52 +66,35 @@ class Tape:
 class StackedMLP:
     """`stack` independent perceptrons, ReLU between layers; weights [stack, in, out].
 
-    All parameters are views of `flat`, their gradients of `gradient`, so that an optimiser's step
-    is one operation. Initialised as PyTorch's Linear: uniform in ±1/√in. `layer_norm` normalises
-    before each ReLU, without learned scale.
+    Initialised as PyTorch's Linear: uniform in ±1/√in. `layer_norm` normalises before each ReLU,
+    without learned scale.
     """
 
     def __init__(
         self, stack: int, sizes: Sequence[int], generator: torch.Generator, layer_norm: bool = False
     ) -> None:
         self.stack, self.sizes, self.layer_norm = stack, tuple(sizes), layer_norm
-        count = sum(stack * (inputs + 1) * outputs for inputs, outputs in pairwise(self.sizes))
-        self.flat = torch.empty(count, device=generator.device)
-        self.gradient = torch.zeros_like(self.flat)
-        self.weights, self.biases = self._views(self.flat)
-        self._to_weights, self._to_biases = self._views(self.gradient)
-        for weight, bias in zip(self.weights, self.biases, strict=True):
-            bound = 1 / math.sqrt(weight.shape[1])
-            for parameter in (weight, bias):
-                parameter.uniform_(-bound, bound, generator=generator)
+        self.parameters: list[Tensor] = []
+        for inputs, outputs in pairwise(self.sizes):
+            bound = 1 / math.sqrt(inputs)
+            for rows in (inputs, 1):
+                parameter = torch.empty(stack, rows, outputs, device=generator.device)
+                self.parameters.append(parameter.uniform_(-bound, bound, generator=generator))
+        self.slopes = [torch.zeros_like(parameter) for parameter in self.parameters]
+
+    @property
+    def weights(self) -> list[Tensor]:
+        """[stack, in, out] of each layer."""
+        return self.parameters[::2]
+
+    @property
+    def biases(self) -> list[Tensor]:
+        """[stack, 1, out] of each layer."""
+        return self.parameters[1::2]
 
     @property
     def _layers(self) -> list[tuple[Tensor, Tensor]]:
-        """Weights and biases by layer. A compiler must see that they are parts of `flat`."""
-        compiling = torch.compiler.is_compiling()
-        views = self._views(self.flat) if compiling else (self.weights, self.biases)
-        return list(zip(*views, strict=True))
-
-    def _views(self, flat: Tensor) -> tuple[list[Tensor], list[Tensor]]:
-        weights: list[Tensor] = []
-        biases: list[Tensor] = []
-        start = 0
-        for inputs, outputs in pairwise(self.sizes):
-            for views, size in ((weights, inputs), (biases, 1)):
-                shape = (self.stack, size, outputs)
-                views.append(flat[start : start + math.prod(shape)].view(shape))
-                start += math.prod(shape)
-        return weights, biases
-
-    @property
-    def parameters(self) -> list[Tensor]:
-        """All parameters, layer by layer."""
-        return [p for pair in zip(self.weights, self.biases, strict=True) for p in pair]
-
-    @property
-    def slopes(self) -> list[Tensor]:
-        """What `backward` found for each of `parameters`."""
-        return [p for pair in zip(self._to_weights, self._to_biases, strict=True) for p in pair]
+        return list(zip(self.weights, self.biases, strict=True))
 
     def __call__(self, x: Tensor) -> Tensor:
         """Inputs [stack, n, in] to outputs [stack, n, out]."""
@@ -141,15 +124,15 @@ class StackedMLP:
 
     def on_host(self, x: NDArray[np.float32]) -> NDArray[np.float32]:
         """Inputs [stack, n, in] to outputs in numpy, a quarter of the time for few rows."""
-        if self.flat.device.type != "cpu" or self.layer_norm:
-            return self(torch.from_numpy(x).to(self.flat)).cpu().numpy()
+        if self.parameters[0].device.type != "cpu" or self.layer_norm:
+            return self(torch.from_numpy(x).to(self.parameters[0])).cpu().numpy()
         *hidden, (weight, bias) = [(w.numpy(), b.numpy()) for w, b in self._layers]
         for inner, shift in hidden:
             x = np.maximum(np.matmul(x, inner) + shift, 0)
         return np.asarray(np.matmul(x, weight) + bias)
 
-    def backward(self, tape: Tape, slope: Tensor) -> Tensor:
-        """The slope at `flat` of a loss that has `slope` [stack, n, out] at the outputs.
+    def backward(self, tape: Tape, slope: Tensor) -> list[Tensor]:
+        """The slopes at `parameters` of a loss that has `slope` [stack, n, out] at the outputs.
 
         The next call writes over what this one returns.
         """
@@ -159,9 +142,9 @@ class StackedMLP:
             if torch.compiler.is_compiling():
                 found = [product(before, at_layer), at_layer.sum(1, keepdim=True), *found]
             else:
-                torch.sum(at_layer, 1, keepdim=True, out=self._to_biases[i])
-                product(before, at_layer, out=self._to_weights[i])
-        return torch.cat([t.flatten() for t in found]) if found else self.gradient
+                product(before, at_layer, out=self.slopes[2 * i])
+                torch.sum(at_layer, 1, keepdim=True, out=self.slopes[2 * i + 1])
+        return found or self.slopes
 
     def input_slope(self, tape: Tape, slope: Tensor, last: int) -> Tensor:
         """The loss's slope [stack, n, last] at the `last` components of the inputs."""
@@ -187,14 +170,13 @@ class StackedMLP:
         """A copy with parameters of its own."""
         copy = object.__new__(StackedMLP)
         copy.stack, copy.sizes, copy.layer_norm = self.stack, self.sizes, self.layer_norm
-        copy.flat, copy.gradient = self.flat.clone(), torch.zeros_like(self.flat)
-        copy.weights, copy.biases = copy._views(copy.flat)
-        copy._to_weights, copy._to_biases = copy._views(copy.gradient)
+        copy.parameters = [parameter.clone() for parameter in self.parameters]
+        copy.slopes = [torch.zeros_like(parameter) for parameter in self.parameters]
         return copy
 
     def follow(self, other: StackedMLP, tau: float) -> None:
         """Move every parameter by `tau` towards the other's (Polyak averaging)."""
-        self.flat.lerp_(other.flat, tau)
+        torch._foreach_lerp_(self.parameters, other.parameters, tau)
 
     def state(self, prefix: str) -> State:
         """Named parameters, for a checkpoint."""
@@ -207,31 +189,35 @@ class StackedMLP:
 
 
 class Adam:
-    """Adam (Kingma and Ba 2015) on all parameters of a stack at once."""
+    """Adam (Kingma and Ba 2015) on several parameters at once.
 
-    def __init__(self, flat: Tensor, rate: float) -> None:
-        self.flat = flat
-        self.first_rate, self.rate = rate, torch.tensor(rate, device=flat.device)
-        self.mean, self.square = torch.zeros_like(flat), torch.zeros_like(flat)
-        self.steps = torch.zeros((), device=flat.device)
+    `decay` are β₁ᵗ and β₂ᵗ: a compiled program would raise them to the power t for each number.
+    """
 
-    def step(self, gradient: Tensor) -> None:
-        """Move the parameters against their `gradient`."""
+    def __init__(self, parameters: Sequence[Tensor], rate: float) -> None:
+        self.parameters = list(parameters)
+        device = self.parameters[0].device
+        self.first_rate, self.rate = rate, torch.tensor(rate, device=device)
+        self.means = [torch.zeros_like(parameter) for parameter in self.parameters]
+        self.squares = [torch.zeros_like(parameter) for parameter in self.parameters]
+        self.steps = torch.zeros((), device=device)
+        self.decay = torch.ones(2, device=device)
+        self._betas = torch.tensor([BETA1, BETA2], device=device)
+
+    def step(self, gradients: Sequence[Tensor]) -> None:
+        """Move the parameters against their `gradients`."""
         self.steps += 1
+        self.decay *= self._betas
         if torch.compiler.is_compiling():
-            self.mean.lerp_(gradient, 1 - BETA1)
-            self.square.lerp_(gradient.square(), 1 - BETA2)
-            size = self.rate / (1 - BETA1**self.steps)
-            spread = (self.square / (1 - BETA2**self.steps)).sqrt() + EPSILON
-            self.flat.sub_(size * self.mean / spread)
+            self._step_to_compile(gradients)
             return
         torch._fused_adam_(
-            [self.flat],
-            [gradient],
-            [self.mean],
-            [self.square],
+            self.parameters,
+            list(gradients),
+            self.means,
+            self.squares,
             [],
-            [self.steps],
+            [self.steps] * len(self.parameters),
             lr=self.rate,
             beta1=BETA1,
             beta2=BETA2,
@@ -241,25 +227,32 @@ class Adam:
             maximize=False,
         )
 
+    def _step_to_compile(self, gradients: Sequence[Tensor]) -> None:
+        size, spread = self.rate / (1 - self.decay[0]), (1 - self.decay[1]).rsqrt()
+        every = zip(self.parameters, gradients, self.means, self.squares, strict=True)
+        for parameter, gradient, mean, square in every:
+            mean.lerp_(gradient, 1 - BETA1)
+            square.lerp_(gradient.square(), 1 - BETA2)
+            parameter.sub_(size * mean / (square.sqrt() * spread + EPSILON))
+
     def slow(self, share: float) -> None:
         """From now on step by `share` of the first step size."""
         self.rate.fill_(self.first_rate * share)
 
     def reset(self) -> None:
         """Forget all momentum: for the moment when a loss changes its meaning."""
-        for moment in (self.mean, self.square, self.steps):
+        for moment in (*self.means, *self.squares, self.steps):
             moment.zero_()
+        self.decay.fill_(1)
 
     def state(self, prefix: str) -> State:
         """The moments, for a checkpoint."""
-        return {
-            f"{prefix}.mean": self.mean,
-            f"{prefix}.square": self.square,
-            f"{prefix}.steps": self.steps,
-        }
+        means = {f"{prefix}.mean.{i}": mean for i, mean in enumerate(self.means)}
+        squares = {f"{prefix}.square.{i}": square for i, square in enumerate(self.squares)}
+        counts = {f"{prefix}.steps": self.steps, f"{prefix}.decay": self.decay}
+        return {**means, **squares, **counts}
 
     def load(self, state: State, prefix: str) -> None:
         """Take what `state` gave."""
-        self.mean.copy_(state[f"{prefix}.mean"])
-        self.square.copy_(state[f"{prefix}.square"])
-        self.steps.copy_(state[f"{prefix}.steps"])
+        for name, moment in self.state(prefix).items():
+            moment.copy_(state[name])

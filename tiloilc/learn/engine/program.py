@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from typing import Generic, ParamSpec, TypeVar
+from typing import Any, Generic, ParamSpec, TypeVar
 
 import torch
 
@@ -30,13 +30,20 @@ def pays(settings: Settings) -> bool:
 class Program(Generic[P, R]):
     """A function that changes tensors in place, compiled at its first call if `compiled`.
 
+    A compiled program looks at each call whether what it was compiled for still holds, which takes
+    a tenth of an update. It is `settled` when nothing but values of tensors ever changes: then it
+    does not look.
+
     What cannot be compiled here (there is no C++ compiler, the platform has no support) is called
     as it is, and one line says so. Sums come out differently in their last digits when compiled, so
     a run that goes on stays with what it began with: `compiled` belongs to its state.
     """
 
-    def __init__(self, function: Callable[P, R], compiled: bool, say: Say) -> None:
+    def __init__(self, function: Callable[P, R], compiled: bool, settled: bool, say: Say) -> None:
         self.function, self.compiled, self.say = function, compiled, say
+        self.options: dict[str, Any] = {"cpp_wrapper": True}
+        if settled:
+            self.options["guard_filter_fn"] = torch.compiler.skip_all_guards_unsafe
         self._call: Callable[P, R] | None = None
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
@@ -47,7 +54,9 @@ class Program(Generic[P, R]):
             return self._call(*args, **kwargs)
         self.say("compiling the update, which takes a minute and makes each faster")
         try:
-            call: Callable[P, R] = torch.compile(self.function, fullgraph=True, dynamic=False)
+            call: Callable[P, R] = torch.compile(
+                self.function, fullgraph=True, dynamic=False, options=self.options
+            )
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # the compiler's, about its own parts
                 result = call(*args, **kwargs)

@@ -72,9 +72,9 @@ class SoftActorCritic:
         self.tuned = s.entropy == "tuned"
         start = 0.0 if self.tuned else math.log(max(float(s.entropy), 1e-8))
         self.log_alpha = torch.full((seeds,), start, device=generator.device)
-        self.actor_adam = Adam(self.actor.flat, s.actor_rate)
-        self.critic_adam = Adam(self.critics.flat, s.critic_rate)
-        self.alpha_adam = Adam(self.log_alpha, s.critic_rate)
+        self.actor_adam = Adam(self.actor.parameters, s.actor_rate)
+        self.critic_adam = Adam(self.critics.parameters, s.critic_rate)
+        self.alpha_adam = Adam([self.log_alpha], s.critic_rate)
 
     @property
     def networks(self) -> list[tuple[int, ...]]:
@@ -181,7 +181,7 @@ class SoftActorCritic:
         self.actor_adam.step(self.actor.backward(drawn.tape, to_out))
         if self.tuned:
             wanted = self.settings.target_entropy * m
-            self.alpha_adam.step((-wanted - drawn.log_density).mean(1))
+            self.alpha_adam.step([(-wanted - drawn.log_density).mean(1)])
         return loss
 
     def follow(self) -> None:
