@@ -1,9 +1,9 @@
 """The paper's environments and their scripted experts: plain Gymnasium, nothing of logic.
 
-Importing this package registers the environments. Each has a batched form (`gymnasium.make_vec`),
-whose state is arrays [n, …] and which never resets itself, and a single one (`gymnasium.make`),
-which is a view of a batch of one. Neither pays rewards or ends episodes: how long an episode is and
-what is to be done in it, the task file says.
+Importing this package registers the environments. Each has a single form (`gymnasium.make`). Those
+that are arrays [n, …] have a batched one, too (`gymnasium.make_vec`), which never resets itself and
+of which the single one is a view; those on MuJoCo import it when one is made. None pays rewards or
+ends episodes: how long an episode is and what is to be done in it, the task file says.
 """
 
 import gymnasium
@@ -25,6 +25,10 @@ __all__ = [
 ]
 
 _MODULES = {
+    "FetchAlign": "robots.fetch_closed",
+    "FetchAvoid": "robots.fetch_closed",
+    "FetchPlaceButton": "robots.fetch_place",
+    "FetchPlaceTray": "robots.fetch_place",
     "FlatWorld": "flatworld",
     "GridAvoid": "grids",
     "GridCircular": "grids",
@@ -39,5 +43,9 @@ for _name, _module in _MODULES.items():
         gymnasium.register(
             id=f"tiloilc/{_name}-v0",
             entry_point=f"tiloilc.tasks.{_module}:{_name}Env",
-            vector_entry_point=f"tiloilc.tasks.{_module}:{_name}VectorEnv",
+            vector_entry_point=(
+                None
+                if _module.startswith("robots.")
+                else f"tiloilc.tasks.{_module}:{_name}VectorEnv"
+            ),
         )

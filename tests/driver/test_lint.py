@@ -126,6 +126,19 @@ def test_a_module_that_cannot_be_imported_says_so(tmp_path: Path) -> None:
     assert "import no_such_module" in finding.message
 
 
+def test_a_robot_without_its_package_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import tiloilc.tasks.robots.fetch_place as tasks
+
+    tasks._with_tray.cache_clear()
+    monkeypatch.setattr("tiloilc.tasks.robots.fetch.find_spec", lambda name: None)
+    (finding,) = lint(spec(tmp_path, ("FlatWorld-v0", "FetchPlaceTray-v0")))
+    assert finding.code == "JOB600"
+    assert finding.message.endswith("gymnasium-robotics is not installed")
+    assert finding.help == "pip install 'tiloilc[mujoco]'"
+
+
 def test_an_environment_beside_the_task_file_publishes_fields_and_keys(tmp_path: Path) -> None:
     (tmp_path / "own_place.py").write_text(ENVIRONMENT, encoding="utf-8")
     path = spec(

@@ -35,7 +35,7 @@ OPTIONAL = {
     "mujoco": ("mujoco", "environments on MuJoCo", "pip install 'tiloilc[mujoco]'"),
     "gymnasium-robotics": (
         "gymnasium_robotics",
-        "the Fetch tasks",
+        "the robot of the Fetch tasks",
         "pip install 'tiloilc[mujoco]'",
     ),
     "minari": ("minari", "demonstrations as Minari datasets", "pip install 'tiloilc[minari]'"),
@@ -100,7 +100,7 @@ def _optional(fast: bool) -> Iterator[Finding]:
         if version is None:
             yield Finding("absent", name, purpose, remedy)
         elif name == "mujoco" and is_broken_mujoco(version):
-            about = f"{version}: breaks the Fetch environments"
+            about = f"{version}: breaks the environments of Gymnasium-Robotics"
             yield Finding("broken", name, about, "pip install 'mujoco>=3.3,<3.12'")
         elif problem := "" if fast else _problem(module):
             yield Finding("broken", name, f"{version}: {problem}", remedy)

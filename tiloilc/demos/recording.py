@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
+from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -72,6 +73,7 @@ def record(
         "steps": [demo.steps for demo in episodes],
         "versions": {
             "gymnasium": gymnasium.__version__,
+            **_physics(env),
             "numpy": np.__version__,
             "tiloilc": __version__,
         },
@@ -171,6 +173,14 @@ def _episode(
     _, progress = expert.act(observation, progress, generator)
     taken = np.array(actions) if actions else None
     return Demo(np.array(observations, np.float32), taken), progress.laps >= expert.laps
+
+
+def _physics(env: gymnasium.Env[Any, Any]) -> dict[str, str]:
+    """The version of MuJoCo, if the environment is made of it: the same actions may lead elsewhere
+    in another."""
+    model = getattr(env.unwrapped, "model", None)
+    made_of = type(model).__module__.partition(".")[0]
+    return {"mujoco": metadata.version("mujoco")} if made_of == "mujoco" else {}
 
 
 def _fields(env: gymnasium.Env[Any, Any]) -> dict[str, list[int]]:

@@ -27,6 +27,9 @@ STEPS = 3
 ROBOTICS = ("Fetch", "Hand", "Adroit", "Franka", "PointMaze", "AntMaze")
 """How the ids of Gymnasium-Robotics begin."""
 
+PHYSICS = "pip install 'tiloilc[mujoco]'"
+"""What brings MuJoCo and the robots."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Asked:
@@ -119,13 +122,16 @@ def _make(environment: Environment, document: Document) -> gymnasium.Env[Any, An
         gymnasium.spec(name)
     except gymnasium.error.Error as error:
         known = list(gymnasium.registry)
-        package = "pip install 'tiloilc[mujoco]'" if name.startswith(ROBOTICS) else ""
+        package = PHYSICS if name.startswith(ROBOTICS) else ""
         if name.startswith(ROBOTICS) and not module:
             package = "write `gymnasium_robotics:" + name + "`"
         help = did_you_mean(name, known) or package or "own environments: `module:Id-v0`"
         raise _cannot(environment, document, _words(error), help=package or help) from None
     try:
         return gymnasium.make(name, disable_env_checker=True, **environment.kwargs)
+    except gymnasium.error.DependencyNotInstalled as error:
+        help = PHYSICS if name.startswith("tiloilc/") else ""
+        raise _cannot(environment, document, _words(error), help=help) from error
     except (Exception, SystemExit) as error:
         raise _cannot(environment, document, _words(error), at_kwargs=True) from error
 
