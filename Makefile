@@ -15,7 +15,7 @@ RIVALS := $(VENV)/.rivals
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) -ra --durations=10
 
 .DELETE_ON_ERROR:
-.PHONY: help setup run records results bench test quick check format constraints clean
+.PHONY: help setup run records results sheet bench test quick check format constraints clean
 
 help:  ## list the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
@@ -41,6 +41,9 @@ records: $(STAMP)  ## train every task of specs/ and add its records to results/
 results: $(STAMP)  ## write docs/results.md and docs/pendulum.md from the records in results/
 	$(BIN)/python -m tiloilc.report.results results docs/results.md
 	$(BIN)/python -m tiloilc.bench.pendulum results/sac/pendulum.jsonl.gz docs/pendulum.md
+
+sheet: $(STAMP)  ## draw every task of specs/ with a demonstration: docs/tasks.png
+	$(BIN)/tiloilc viz --env specs/*.yaml -o docs/tasks.png
 
 bench: $(RIVALS)  ## measure everything beside others; docs/benchmarks.md, docs/automaton_sizes.md
 	$(BIN)/tiloilc bench -o docs

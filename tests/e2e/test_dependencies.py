@@ -10,6 +10,7 @@ from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
 OPTIONAL = {
+    "imageio-ffmpeg": "video",
     "minari": "minari",
     "mujoco": "mujoco",
     "onnx": "onnx",

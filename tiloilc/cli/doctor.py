@@ -20,6 +20,7 @@ REQUIRED = {
     "lark": "lark",
     "networkx": "networkx",
     "numpy": "numpy",
+    "pillow": "PIL",
     "pydantic": "pydantic",
     "pygraphviz": "pygraphviz",
     "rich": "rich",
@@ -40,6 +41,11 @@ OPTIONAL = {
     ),
     "minari": ("minari", "demonstrations as Minari datasets", "pip install 'tiloilc[minari]'"),
     "onnx": ("onnx", "exported policies", "pip install 'tiloilc[onnx]'"),
+    "imageio-ffmpeg": (
+        "imageio_ffmpeg",
+        "films as MP4",
+        "pip install 'tiloilc[video]'",
+    ),
     "tensorboard": (
         "tensorboard",
         "curves while training",

@@ -47,3 +47,11 @@ def demonstrations_in(source: str) -> DemoSet:
 
     is_file = source.endswith(".npz") or Path(source).is_file()
     return load(source) if is_file else from_minari(source)
+
+
+def prepare_drawing() -> None:
+    """Choose what MuJoCo draws with where there is no screen: before it is imported."""
+    from importlib.util import find_spec
+
+    if find_spec("mujoco") is not None:
+        import tiloilc.tasks.robots  # noqa: F401

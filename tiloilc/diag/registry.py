@@ -204,6 +204,7 @@ RULES: dict[str, Rule] = _rules(
         "nothing is learned in {steps} steps: the first {random} are random",
     ),
     Rule("JOB610", E, "unusable-algorithm", "algorithm `{name}`: {problem}"),
+    Rule("JOB611", E, "nothing-to-draw", "cannot draw `{environment}`: {problem}"),
     Rule("RUN701", E, "unreadable-run", "cannot read the run `{path}`: {problem}"),
     Rule("RUN702", E, "training-diverged", "training diverged at step {step}: {problem}"),
     Rule("RUN703", E, "run-not-written", "cannot write in `{path}`: {problem}"),
@@ -219,5 +220,6 @@ RULES: dict[str, Rule] = _rules(
     Rule("RUN708", E, "policy-not-available", "no such policy in the run `{path}`: {problem}"),
     Rule("RUN709", E, "too-little-memory", "the run needs {needed}, and {available} are available"),
     Rule("RUN710", E, "no-such-device", "cannot learn on `cuda`: {problem}"),
+    Rule("RUN711", E, "no-film", "cannot film `{subject}`: {problem}"),
 )
 """All rules by code, in the order of their codes."""

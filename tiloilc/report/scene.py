@@ -16,7 +16,7 @@ from tiloilc.report.markup import Markup, number, tag
 from tiloilc.report.run import Trajectories
 from tiloilc.report.states import State
 
-__all__ = ["SIZE", "Map", "Shape", "map_of", "outlines", "panels", "timeline"]
+__all__ = ["SIZE", "Map", "Shape", "cropped", "map_of", "outlines", "panels", "timeline"]
 
 SIZE = 220.0
 """Height of one picture in its own units."""
@@ -24,13 +24,16 @@ SIZE = 220.0
 
 @dataclass(frozen=True)
 class Shape:
-    """A named disc (`radius` > 0, at `low`) or rectangle from `low` to `high`."""
+    """A named disc (`radius` > 0, at `low`), a ring between `inner` and `radius`, or a rectangle
+    from `low` to `high`.
+    """
 
     name: str
     color: str
     low: tuple[float, float]
     high: tuple[float, float]
     radius: float = 0.0
+    inner: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ def panels(
     paths: Trajectories, drawn: Map, states: Sequence[State], names: Sequence[str]
 ) -> Markup:
     """A grid of pictures: the map, and over it each seed's path in the colours of its states."""
-    drawn = _cropped(drawn, paths)
+    drawn = cropped(drawn, paths.observations[:, :, list(drawn.position)][paths.states >= 0])
     pictures = []
     for seed, name in enumerate(names):
         run = _lived(paths.states[seed])
@@ -176,7 +179,11 @@ def _shape(shape: Shape, x_min: float, y_max: float, scale: float) -> tuple[Mark
     x, y = (shape.low[0] - x_min) * scale, (y_max - shape.low[1]) * scale
     style = {"class_": "zone", "fill": shape.color, "stroke": shape.color}
     about = tag("title", shape.name)
-    if shape.radius:
+    if shape.inner:
+        rims = [_rim(x, y, shape.radius * scale), _rim(x, y, shape.inner * scale)]
+        area = tag("path", about, d="".join(rims), fill_rule="evenodd", **style)
+        middle = (x, y + (shape.inner + shape.radius) / 2 * scale)
+    elif shape.radius:
         area = tag("circle", about, cx=x, cy=y, r=shape.radius * scale, **style)
         middle = (x, y)
     else:
@@ -188,21 +195,32 @@ def _shape(shape: Shape, x_min: float, y_max: float, scale: float) -> tuple[Mark
     return area, name
 
 
+def _rim(x: float, y: float, radius: float) -> str:
+    """A circle as part of a path."""
+    left, right, r = number(x - radius), number(x + radius), number(radius)
+    return (
+        f"M{left},{number(y)}A{r},{r} 0 1 0 {right},{number(y)}A{r},{r} 0 1 0 {left},{number(y)}Z"
+    )
+
+
 def _read(scene: object) -> Map:
     """A scene of any class that has the attributes of `tiloilc.tasks.scene.Scene`."""
     x_min, y_min, x_max, y_max = (float(edge) for edge in getattr(scene, "bounds"))  # noqa: B009
     shapes = []
     for shape in getattr(scene, "shapes"):  # noqa: B009
-        round_ = hasattr(shape, "radius")
+        ring = hasattr(shape, "outer")
+        round_ = ring or hasattr(shape, "radius")
         low = shape.center if round_ else shape.low
         high = low if round_ else shape.high
+        radius = shape.outer if ring else shape.radius if round_ else 0.0
         shapes.append(
             Shape(
                 str(shape.name),
                 str(shape.color),
                 (float(low[0]), float(low[1])),
                 (float(high[0]), float(high[1])),
-                float(shape.radius) if round_ else 0.0,
+                float(radius),
+                float(shape.inner) if ring else 0.0,
             )
         )
     across, up = getattr(scene, "position", (0, 1))
@@ -215,14 +233,13 @@ def _lived(run: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     return run[: over[0]] if over.size else run
 
 
-def _cropped(drawn: Map, paths: Trajectories) -> Map:
-    """The part of the map where there is something: its shapes, and all paths."""
-    points = paths.observations[:, :, list(drawn.position)][paths.states >= 0]
-    corners = [points[np.isfinite(points).all(axis=1)]]
+def cropped(drawn: Map, points: npt.NDArray[np.floating] | None) -> Map:
+    """The part of the map where there is something: its shapes, and `points` [n, 2]."""
+    corners = [] if points is None else [points[np.isfinite(points).all(axis=1)]]
     for shape in drawn.shapes:
         reach = shape.radius
         corners.append(np.array([[v - reach for v in shape.low], [v + reach for v in shape.high]]))
-    every = np.concatenate(corners)
+    every = np.concatenate([*corners, np.empty((0, 2))])
     if not len(every) or not np.ptp(every, axis=0).all():
         return drawn
     margin = 0.05 * float(np.ptp(every, axis=0).max())

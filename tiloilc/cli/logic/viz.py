@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, report, say
+from tiloilc.cli.console import Quiet, fail, report, say
 from tiloilc.cli.logic.formulas import Propositions
 from tiloilc.cli.logic.subjects import Subject, subject_of
+from tiloilc.cli.tasks import prepare_drawing
 from tiloilc.diag import CompileError, Diagnostic
 
 SUFFIXES = {
@@ -27,7 +29,7 @@ SUFFIXES = {
 
 def command(
     source: Annotated[
-        str,
+        list[str],
         typer.Argument(
             metavar="SPEC|PLAN|HOA|FORMULA",
             help="A task file, a build folder or plan, an automaton, or a formula.",
@@ -39,27 +41,59 @@ def command(
             "-o", "--out", help="x.svg, x.png, x.html, x.dot or x.mermaid; else dot is printed."
         ),
     ] = None,
+    env: Annotated[
+        bool,
+        typer.Option("--env", help="Draw the environment instead; several tasks make a sheet."),
+    ] = False,
+    demo: Annotated[
+        int, typer.Option(min=0, metavar="K", help="With --env: demonstration K, from 0.")
+    ] = 0,
     propositions: Propositions = None,
     quiet: Quiet = False,
 ) -> None:
-    """Draw an automaton with its stages.
+    """Draw an automaton with its stages, or an environment with a demonstration.
 
-    A page (x.html) is interactive: letters and words are read by click, the run is shown.
+    A page (x.html) is interactive: letters and words are read by click, the run is shown. With
+    --env the path of a demonstration has the colours of the automaton's states; x.svg or x.png,
+    else svg is printed.
     """
     from tiloilc.driver import write_file
 
+    if env:
+        _environments(source, demo, out, quiet)
+        return
+    if len(source) > 1:
+        raise fail("one automaton at a time; several tasks are drawn with --env")
     kind = "dot" if out is None else SUFFIXES.get(out.suffix.lower())
     if kind is None:
         assert out is not None
         report([_unknown(out)])
         raise typer.Exit(2)
-    drawn = _drawn(subject_of(source, propositions), kind)
+    drawn = _drawn(subject_of(source[0], propositions), kind)
     if out is None:
         assert isinstance(drawn, str)
         sys.stdout.write(drawn)
         return
     out.parent.mkdir(parents=True, exist_ok=True)
     write_file(out, drawn)
+    say(f"wrote {out.as_posix()}", quiet)
+
+
+def _environments(sources: Sequence[str], demo: int, out: Path | None, quiet: bool) -> None:
+    from tiloilc.cli.logic.places import environment_drawn
+    from tiloilc.driver import write_file
+    from tiloilc.report.pictures import png_of, svg_of
+
+    kind = ".svg" if out is None else out.suffix.lower()
+    if kind not in (".svg", ".png"):
+        raise fail(f"an environment is drawn as x.svg or x.png, not `{out}`")
+    prepare_drawing()
+    canvas = environment_drawn(sources, demo)
+    if out is None:
+        sys.stdout.write(svg_of(canvas))
+        return
+    out.parent.mkdir(parents=True, exist_ok=True)
+    write_file(out, svg_of(canvas) if kind == ".svg" else png_of(canvas))
     say(f"wrote {out.as_posix()}", quiet)
 
 
