@@ -10,21 +10,26 @@ import gymnasium
 
 from tiloilc.tasks.experts import Expert, Progress, experts_of
 from tiloilc.tasks.finite import FiniteModel, finite_model
-from tiloilc.tasks.scene import Circle, Rectangle, Scene
+from tiloilc.tasks.known import Known, known_best
+from tiloilc.tasks.scene import Circle, Rectangle, Ring, Scene
 
 __all__ = [
     "IDS",
     "Circle",
     "Expert",
     "FiniteModel",
+    "Known",
     "Progress",
     "Rectangle",
+    "Ring",
     "Scene",
     "experts_of",
     "finite_model",
+    "known_best",
 ]
 
 _MODULES = {
+    "Carlo": "carlo",
     "FetchAlign": "robots.fetch_closed",
     "FetchAvoid": "robots.fetch_closed",
     "FetchPlaceButton": "robots.fetch_place",
@@ -33,6 +38,7 @@ _MODULES = {
     "GridAvoid": "grids",
     "GridCircular": "grids",
     "GridSequential": "grids",
+    "SixteenRooms": "rooms",
 }
 
 IDS = tuple(f"tiloilc/{name}-v0" for name in _MODULES)

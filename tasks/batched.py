@@ -15,6 +15,7 @@ from gymnasium.vector.utils import batch_space
 
 from tiloilc.tasks.experts import Expert
 from tiloilc.tasks.finite import FiniteModel
+from tiloilc.tasks.known import Known
 from tiloilc.tasks.scene import Pixels, Scene, rasterise
 
 Array = npt.NDArray[Any]
@@ -125,9 +126,13 @@ class BatchedEnv(VectorEnv[Array, Array, Array]):
     def experts(self) -> tuple[Expert, ...]:
         """Scripted experts, one for each task the world is used for."""
 
-    @abstractmethod
-    def finite_model(self) -> FiniteModel:
-        """The task as a finite deterministic model."""
+    def finite_model(self) -> FiniteModel | None:
+        """The task as a finite deterministic model; None if that would say too little."""
+        return None
+
+    def known_best(self, horizon: int) -> tuple[Known, ...]:
+        """The best episodes of `horizon` steps that are known; none where there is a model."""
+        return ()
 
     @abstractmethod
     def _start(self, copies: npt.NDArray[np.int64]) -> Array:
@@ -210,6 +215,10 @@ class SingleEnv(gymnasium.Env[Array, Any]):
         """Scripted experts, one for each task the world is used for."""
         return self.batched.experts()
 
-    def finite_model(self) -> FiniteModel:
-        """The task as a finite deterministic model."""
+    def finite_model(self) -> FiniteModel | None:
+        """The task as a finite deterministic model; None if that would say too little."""
         return self.batched.finite_model()
+
+    def known_best(self, horizon: int) -> tuple[Known, ...]:
+        """The best episodes of `horizon` steps that are known; none where there is a model."""
+        return self.batched.known_best(horizon)

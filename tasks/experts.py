@@ -112,8 +112,9 @@ class PointExpert:
     """Steers a point `x' = x + dt·a` along one of its routes, around one disc.
 
     Of several routes it takes the one whose first waypoint is nearest, by a noisy estimate.
-    `clearance` is the radius about the origin that it never plans to enter. The pace of an episode
-    is drawn from `pace`, and each action component is disturbed by up to `noise`.
+    `clearance` is the radius about the origin that it never plans to enter. Rounds after the first
+    lead along `again`, if that is given. The pace of an episode is drawn from `pace`, and each
+    action component is disturbed by up to `noise`. Of an observation it sees the first two numbers.
     """
 
     name: str
@@ -122,6 +123,7 @@ class PointExpert:
     clearance: float
     laps: int = 1
     dwell: int | None = 0
+    again: tuple[Waypoint, ...] = ()
     pace: tuple[float, float] = (0.8, 1.0)
     noise: float = 0.25
 
@@ -136,8 +138,9 @@ class PointExpert:
         self, observation: Observation, progress: Progress, generator: np.random.Generator
     ) -> tuple[Action, Progress]:
         """One step towards the waypoint, the shorter way around the disc."""
-        here = np.asarray(observation, np.float64)
-        route = self.routes[progress.route]
+        here = np.asarray(observation[:2], np.float64)
+        later = self.again and progress.laps > 0 and self.laps > 1
+        route = self.again if later else self.routes[progress.route]
         waypoint = route[progress.leg]
         arrived = float(np.linalg.norm(here - waypoint.aim)) < waypoint.within
         progress = advance(progress, arrived, len(route), self.laps, self.dwell)

@@ -32,14 +32,16 @@ class FiniteModel:
 def finite_model(env: object) -> FiniteModel | None:
     """The finite model that an environment (single or batched, wrapped or not) publishes, or None.
 
-    An environment publishes one by a method `finite_model()` on its unwrapped form. Raises
-    TypeError if what it publishes is none.
+    An environment publishes one by a method `finite_model()` on its unwrapped form, which may
+    return None. Raises TypeError if what it publishes is something else.
     """
     bare = getattr(env, "unwrapped", env)
     publish = getattr(bare, "finite_model", None)
     if publish is None:
         return None
     model = publish()
+    if model is None:
+        return None
     if not isinstance(model, FiniteModel):
         raise TypeError(f"{bare!r} publishes {type(model).__name__} as its finite model")
     return model

@@ -29,6 +29,17 @@ class Circle:
 
 
 @dataclass(frozen=True, slots=True)
+class Ring:
+    """What lies between two circles about `center`: as far away as `inner`, but not as `outer`."""
+
+    name: str
+    color: str
+    center: tuple[float, float]
+    inner: float
+    outer: float
+
+
+@dataclass(frozen=True, slots=True)
 class Rectangle:
     """A named rectangle from its lower left to its upper right corner; `color` is `#rrggbb`."""
 
@@ -40,13 +51,14 @@ class Rectangle:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """All shapes of a task, drawn in this order, in the task's own units (y grows upwards).
+    """All shapes of a task, drawn in this order, in units of the observation (y grows upwards).
 
-    `position` names the two components of an observation that are the agent's x and y.
+    `position` names the two components of an observation that are the agent's x and y. A shape
+    with an empty name is part of another one, or nothing to speak of.
     """
 
     bounds: Bounds
-    shapes: tuple[Circle | Rectangle, ...]
+    shapes: tuple[Circle | Rectangle | Ring, ...]
     position: tuple[int, int] = (0, 1)
 
 
@@ -81,10 +93,13 @@ def rasterise(
 
 
 def _covers(
-    shape: Circle | Rectangle, x: npt.NDArray[np.floating], y: npt.NDArray[np.floating]
+    shape: Circle | Rectangle | Ring, x: npt.NDArray[np.floating], y: npt.NDArray[np.floating]
 ) -> npt.NDArray[np.bool_]:
     if isinstance(shape, Circle):
         inside = np.hypot(x - shape.center[0], y - shape.center[1]) < shape.radius
+    elif isinstance(shape, Ring):
+        away = np.hypot(x - shape.center[0], y - shape.center[1])
+        inside = (shape.inner <= away) & (away < shape.outer)
     else:
         inside = (x >= shape.low[0]) & (x < shape.high[0])
         inside &= (y >= shape.low[1]) & (y < shape.high[1])

@@ -164,6 +164,31 @@ def test_explain_speaks_of_tasks_and_of_codes(run: Run, tmp_path: Path) -> None:
         assert out.startswith(f"{RULES[code].severity}[{code}]")
 
 
+def test_explain_tells_the_optimum_of_a_task(run: Run, root: Path) -> None:
+    for task, said in {
+        "grid_circular_hard": "  3 accepting visits in 144 steps: dynamic programming on all 441",
+        "flatworld_cycle": "  at least 4 accepting visits in 50 steps: dynamic programming on a",
+        "carlo": "  at least 11 accepting visits in 500 steps: a car at full throttle",
+    }.items():
+        status, out, _ = run("explain", root / "specs" / f"{task}.yaml")
+        assert status == 0
+        assert f"\n\nOptimum\n{said}" in out
+
+
+def test_a_plan_is_explained_where_its_environment_is_not_installed(
+    run: Run, tmp_path: Path
+) -> None:
+    assert run("compile", spec(tmp_path), "-o", tmp_path / "build")[0] == 0
+    file = tmp_path / "build" / "plan.json"
+    text = file.read_text("utf-8")
+    assert "tiloilc/FlatWorld-v0" in text
+    file.write_text(text.replace("tiloilc/FlatWorld-v0", "tiloilc/Gone-v0"), "utf-8")
+    status, out, _ = run("explain", file)
+    assert status == 0
+    assert "Stages" in out
+    assert "Optimum" not in out
+
+
 def test_explain_speaks_of_formulas(run: Run) -> None:
     status, out, _ = run("explain", "G F (a & X F b) & G !z")
     assert status == 0

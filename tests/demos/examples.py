@@ -74,6 +74,33 @@ def cells(x0: int, y0: int, x1: int, y1: int) -> Callable[[np.ndarray], np.ndarr
     return lambda o: (o[:, 0] >= x0) & (o[:, 0] <= x1) & (o[:, 1] >= y0) & (o[:, 1] <= y1)
 
 
+def around(*tours: str, avoid: str) -> Ldba:
+    """`(G F (a & X F b) | G F …) & G !z`: one jumps into the tour that one will make for ever.
+
+    Propositions are single characters, in the order in which they first occur.
+    """
+    names = "".join(dict.fromkeys("".join(tours) + avoid))
+    bit = {name: 1 << i for i, name in enumerate(names)}
+    bad = bit[avoid]
+    starts = [1 + sum(len(t) + 1 for t in tours[:i]) for i in range(len(tours) + 1)]
+    sink = starts[-1]
+    edges = [Edge(0, 0, (Cube(bad, 0),)), Edge(0, sink, (Cube(bad, bad),))]
+    for start, tour in zip(starts, tours, strict=False):
+        last = start + len(tour)
+        for b, name in enumerate(tour, start):
+            edges.append(Edge(b, b + 1, (Cube(bit[name] | bad, bit[name]),)))
+            edges.append(Edge(b, b, (Cube(bit[name] | bad, 0),)))
+        first = bit[tour[0]]
+        edges.append(Edge(last, start + 1, (Cube(first | bad, first),)))
+        edges.append(Edge(last, start, (Cube(first | bad, 0),)))
+        edges += [Edge(b, sink, (Cube(bad, bad),)) for b in range(start, last + 1)]
+    edges.append(Edge(sink, sink, (ALWAYS,)))
+    accepting = frozenset(s + len(t) for s, t in zip(starts, tours, strict=False))
+    states = tuple(f"state {b}" for b in range(sink + 1))
+    jumps = tuple((0, start) for start in starts[:-1])
+    return Ldba(tuple(names), states, accepting, sink, tuple(sorted(edges)), jumps)
+
+
 RED, GREEN = disc(0.45, -0.75, 0.3), disc(0.45, 1.0, 0.3)
 YELLOW, BLUE = disc(-0.85, 0.15, 0.3), disc(0.0, 0.0, 0.8)
 
@@ -91,3 +118,59 @@ def sequential(zones: int) -> Callable[[np.ndarray], np.ndarray]:
 
 def corridor(distance: int) -> Callable[[np.ndarray], np.ndarray]:
     return bits(lambda o: (o[:, 0] >= distance) & (o[:, 1] == 0), lambda o: o[:, 1] != 0)
+
+
+def heading(observations: np.ndarray) -> np.ndarray:
+    """Where Carlo's cars look, in radians."""
+    if observations.shape[1] == 5:
+        return 2 * np.pi * observations[:, 4].astype(float)
+    return np.arctan2(observations[:, 5].astype(float), observations[:, 4].astype(float))
+
+
+def crashed(observations: np.ndarray) -> np.ndarray:
+    """Whether the rectangle of a car touches Carlo's disc or ring, by its corners and sides."""
+    x, y = (60 * observations[:, k].astype(float) - 30 for k in (0, 1))
+    psi = heading(observations)
+    corners = []
+    for along, aside in ((2, 1), (-2, 1), (-2, -1), (2, -1)):
+        corners.append(
+            np.stack(
+                [
+                    x + along * np.cos(psi) - aside * np.sin(psi),
+                    y + along * np.sin(psi) + aside * np.cos(psi),
+                ],
+                axis=1,
+            )
+        )
+    outside = np.max([np.hypot(*c.T) for c in corners], axis=0) >= 27.5
+    nearest = np.full(len(x), np.inf)
+    left_of_all = np.ones(len(x), bool)
+    for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+        side = b - a
+        share = np.clip(-(a * side).sum(axis=1) / (side * side).sum(axis=1), 0, 1)
+        nearest = np.minimum(nearest, np.hypot(*(a + share[:, None] * side).T))
+        left_of_all &= side[:, 0] * -a[:, 1] - side[:, 1] * -a[:, 0] >= 0
+    return outside | (nearest <= 15) | left_of_all
+
+
+def region(x: float) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda o: np.hypot(60 * o[:, 0].astype(float) - x, 60 * o[:, 1].astype(float) - 30) < 5
+
+
+ROAD = bits(region(51.25), region(8.75), crashed)
+
+
+def room(name: str) -> Callable[[np.ndarray], np.ndarray]:
+    x, y = (10 * int(digit) - 6 for digit in name)
+    return lambda o: np.maximum(np.abs(o[:, 0] - x), np.abs(o[:, 1] - y)) <= 2
+
+
+def rooms(names: str) -> Callable[[np.ndarray], np.ndarray]:
+    """Labels of rooms as "12 14" and, at last, of having hit a wall."""
+    return bits(*(room(name) for name in names.split()), lambda o: o[:, 2] == 1)
+
+
+ROOMS = rooms("12 14 34 32 31 33 44 43")
+ROOMS_PROSE = rooms("12 14 34 32 33 44 43")
+BOTH_LOOPS = around("abcd", "efcgh", avoid="z")
+BOTH_LOOPS_PROSE = around("abcd", "ecfg", avoid="z")

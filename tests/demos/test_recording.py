@@ -7,8 +7,13 @@ import pytest
 
 from tests.demos.examples import (
     BLUE,
+    BOTH_LOOPS,
+    BOTH_LOOPS_PROSE,
     GREEN,
     RED,
+    ROAD,
+    ROOMS,
+    ROOMS_PROSE,
     YELLOW,
     bits,
     chain,
@@ -50,10 +55,14 @@ THEN_GREEN = Ldba(
         Edge(3, 3, (Cube(0, 0),)),
     ),
 )
+ROUND = chain("01", cyclic=True, avoid="z")
 TASKS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], Ldba, int]] = {
+    "carlo": (ROAD, ROUND, 2),
     "flatworld_cycle": (FLAT, CYCLE, 2),
     "flatworld_disjunction": (FLAT, THEN_GREEN, 1),
     "flatworld_stabilization": (bits(YELLOW, BLUE), staying(), 10),
+    "sixteen_rooms": (ROOMS, BOTH_LOOPS, 2),
+    "sixteen_rooms_prose": (ROOMS_PROSE, BOTH_LOOPS_PROSE, 2),
 }
 LEVELS = ("easy", "medium", "hard")
 for i, level in enumerate(LEVELS):
@@ -76,7 +85,7 @@ def test_bundled_demonstrations_accept_and_never_violate(name: str) -> None:
         run = replay(demo.observations, labels, ldba)
         assert run.violates_at is None
         assert run.visits >= visits
-        if "cycle" in name or "circular" in name:
+        if visits == 2:
             assert run.visits == 2, "at most two visits on cyclic tasks"
 
 
@@ -110,6 +119,40 @@ def test_both_ways_to_green_are_demonstrated() -> None:
     assert demos is not None
     by_red = [bool(RED(demo.observations).any()) for demo in demos.episodes]
     assert 0 < sum(by_red) < 5
+
+
+def test_the_unsafe_set_has_crashes_and_rounds_that_are_not_complete() -> None:
+    demos = bundled("carlo_unsafe")
+    assert demos is not None
+    again = record("tiloilc/Carlo-v0", horizon=500, expert="unsafe")
+    runs = [replay(demo.observations, ROAD, ROUND) for demo in demos.episodes]
+    assert [run.visits for run in runs] == [0] * 5
+    assert sorted(run.violates_at is None for run in runs) == [False] * 3 + [True] * 2
+    for ours, made in zip(demos.episodes, again.episodes, strict=True):
+        np.testing.assert_array_equal(ours.observations, made.observations)
+
+
+@pytest.mark.parametrize(("steps", "visits"), [(100, 0), (200, 0), (400, 2)])
+def test_carlos_demonstrations_can_be_cut_to_the_lengths_of_table_4(
+    steps: int, visits: int, workdir: Path
+) -> None:
+    road = Environment(id="tiloilc/Carlo-v0", horizon=500)
+    demos = demonstrations_for(
+        asked(count=5, max_steps=steps), road, ROAD, ROUND, name="carlo", folder=workdir
+    )
+    assert max(demo.steps for demo in demos.episodes) == steps
+    best = max(replay(demo.observations, ROAD, ROUND).visits for demo in demos.episodes)
+    assert best == visits
+
+
+def test_more_demonstrations_than_are_bundled_begin_with_the_bundled_ones(workdir: Path) -> None:
+    road = Environment(id="tiloilc/Carlo-v0", horizon=500)
+    more = demonstrations_for(asked(count=10), road, ROAD, ROUND, name="carlo", folder=workdir)
+    ours = bundled("carlo")
+    assert ours is not None
+    assert len(more) == 10
+    for mine, made in zip(ours.episodes, more.episodes[:5], strict=True):
+        np.testing.assert_array_equal(mine.observations, made.observations)
 
 
 def test_the_sidecar_says_what_was_recorded() -> None:

@@ -6,8 +6,13 @@ from hypothesis import strategies as st
 
 from tests.demos.examples import (
     BLUE,
+    BOTH_LOOPS,
+    BOTH_LOOPS_PROSE,
     GREEN,
     RED,
+    ROAD,
+    ROOMS,
+    ROOMS_PROSE,
     YELLOW,
     bits,
     chain,
@@ -18,7 +23,7 @@ from tests.demos.examples import (
 )
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.evaluate.optimum import Optimum, best_episode, optimum, task_optimum
-from tiloilc.tasks import FiniteModel, finite_model
+from tiloilc.tasks import FiniteModel, Known, finite_model
 
 FLAT = bits(RED, GREEN, YELLOW, BLUE)
 CYCLE = chain("rgy", cyclic=True, avoid="b")
@@ -108,8 +113,50 @@ def test_random_starts_are_averaged_over() -> None:
     assert "mean over the lattice's free positions" in found.how
 
 
-def test_an_environment_without_a_model_has_no_optimum() -> None:
+@pytest.mark.parametrize(
+    ("labels", "ldba", "visits"),
+    [(ROOMS, BOTH_LOOPS, 5), (ROOMS_PROSE, BOTH_LOOPS_PROSE, 11)],
+    ids=["formula", "prose"],
+)
+def test_the_small_loop_of_the_text_can_be_made_twice_as_often_as_that_of_the_formula(
+    labels: object, ldba: Ldba, visits: int
+) -> None:
+    found = best("SixteenRooms", {}, labels, ldba, 300)
+    assert (found.accepting_visits, found.exact) == (visits, False)
+    assert "it takes 6 steps or more from one room's square to the next" in found.how
+
+
+@pytest.mark.parametrize(("start", "visits"), [(0, 11), (1, 10), (2, 10), (3, 10)])
+def test_where_there_is_no_model_the_best_known_episode_counts(start: int, visits: int) -> None:
+    ldba = chain("01", cyclic=True, avoid="z")
+    found = best("Carlo", {"start": start}, ROAD, ldba, 500)
+    assert (found.accepting_visits, found.exact) == (visits, False)
+    assert "reached by real actions" in found.how
+    assert "13 times to the one region and then to the other" in found.how
+
+
+def test_jumps_of_known_episodes_are_chosen_as_well_as_they_can_be() -> None:
+    seen = np.array([[[0.0], [1.0], [0.0], [1.0], [1.0], [1.0]]])
+
+    class Knowing(gym.Env):
+        observation_space = gym.spaces.Box(0, 1, (1,))
+        action_space = gym.spaces.Discrete(2)
+
+        def known_best(self, horizon: int) -> tuple[Known, ...]:
+            return Known(seen[:, : horizon + 1], "by hand"), Known(0 * seen, "nothing")
+
+    gym.register("Knowing-v0", Knowing)
+    try:
+        labels = bits(lambda o: o[:, 0] > 0.5, lambda o: o[:, 0] > 2)
+        found = task_optimum("Knowing-v0", {}, labels, staying(), 5)
+    finally:
+        del gym.registry["Knowing-v0"]
+    assert found == Optimum(3.0, False, "by hand")
+
+
+def test_an_environment_that_publishes_nothing_has_no_optimum() -> None:
     assert task_optimum("CartPole-v1", {}, FLAT, CYCLE, 10) is None
+    assert task_optimum("tiloilc/Carlo-v0", {"random_start": True}, ROAD, CYCLE, 10) is None
 
 
 def line(letters: list[int], successor: list[list[int]]) -> FiniteModel:

@@ -15,6 +15,11 @@ VARIANTS = [
     ("GridSequential", {"zones": 5}),
     ("GridCircular", {"zones": 4}),
     ("GridCircular", {"zones": 3, "core": 1, "corners": False}),
+    ("Carlo", {}),
+    ("Carlo", {"heading": "angle", "start": 2}),
+    ("Carlo", {"random_start": True, "dt": 0.2}),
+    ("SixteenRooms", {}),
+    ("SixteenRooms", {"noise": 2.0}),
 ]
 every_variant = pytest.mark.parametrize(("name", "kwargs"), VARIANTS)
 
@@ -55,7 +60,7 @@ def test_observations_belong_to_the_space_that_is_declared(
     seen = rollout(vector, actions_of(vector, 60), seed=1)
     space = vector.single_observation_space
     assert seen.dtype == space.dtype
-    assert all(space.contains(row) for row in seen.reshape(-1, 2))
+    assert all(space.contains(row) for row in seen.reshape(-1, *space.shape))
 
 
 @every_variant
@@ -73,7 +78,7 @@ def test_a_copy_of_the_batch_is_the_single_environment(
     name: str, kwargs: dict[str, object]
 ) -> None:
     vector = batch(name, kwargs, 3)
-    actions = actions_of(vector, 40)
+    actions = actions_of(vector, 1000)
     together = rollout(vector, actions, seed=5)
     for i in range(3):
         env = gym.make(f"tiloilc/{name}-v0", **kwargs)
@@ -174,6 +179,10 @@ def test_stepping_before_the_first_reset_is_refused() -> None:
         ("GridSequential", {"zones": 6}),
         ("GridCircular", {"zones": 1}),
         ("GridCircular", {"core": 2}),
+        ("Carlo", {"heading": "radians"}),
+        ("Carlo", {"dt": 0}),
+        ("Carlo", {"start": 4}),
+        ("SixteenRooms", {"noise": -1}),
     ],
 )
 def test_parameters_out_of_range_are_refused(name: str, kwargs: dict[str, object]) -> None:
@@ -190,6 +199,11 @@ def test_wrong_actions_are_refused() -> None:
             grid.step(wrong)
     with pytest.raises(ValueError, match="actions must"):
         flat.step(np.zeros((2, 3)))
+    for name in ("Carlo", "SixteenRooms"):
+        plane = batch(name, {}, 2)
+        plane.reset()
+        with pytest.raises(ValueError, match="actions must"):
+            plane.step(np.zeros(2))
 
 
 @every_variant
@@ -210,7 +224,8 @@ def test_fields_name_the_components_of_observations() -> None:
         single, vector = gym.make(env_id).unwrapped, gym.make_vec(env_id, num_envs=2)
         assert single.observation_fields == vector.observation_fields
         covered = [np.r_[place] for place in single.observation_fields.values()]
-        assert sorted(np.concatenate(covered).tolist()) == [0, 1]
+        (size,) = single.observation_space.shape
+        assert sorted(np.concatenate(covered).tolist()) == list(range(size))
 
 
 def test_a_picture_shows_the_agent_where_it_is() -> None:

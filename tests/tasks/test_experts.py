@@ -1,6 +1,7 @@
 """Experts solve their tasks; what they reach is judged by labels and automata made by hand."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import gymnasium as gym
 import numpy as np
@@ -10,11 +11,13 @@ from tests.demos.examples import (
     BLUE,
     GREEN,
     RED,
+    ROAD,
     YELLOW,
     bits,
     chain,
     circular,
     corridor,
+    rooms,
     sequential,
     staying,
 )
@@ -59,6 +62,18 @@ TASKS += [
     ("FlatWorld", {"random_start": r}, "cycle", 50, FLAT, chain("rgy", cyclic=True, avoid="b"))
     for r in (False, True)
 ]
+TASKS += [
+    ("Carlo", kwargs, "carlo", 500, ROAD, chain("01", cyclic=True, avoid="z"))
+    for kwargs in ({}, {"heading": "angle"})
+]
+TASKS += [
+    ("SixteenRooms", {}, name, 300, rooms(loop), chain("abcde"[:k], cyclic=True, avoid="z"))
+    for name, loop, k in (
+        ("rooms", "31 33 34 44 43", 5),
+        ("prose", "33 34 44 43", 4),
+        ("large", "12 14 34 32", 4),
+    )
+]
 
 
 def episode(env: gym.Env, expert: Expert, horizon: int, seed: int) -> np.ndarray:
@@ -80,6 +95,7 @@ def named(env: gym.Env, name: str) -> Expert:
     return next(expert for expert in experts_of(env) if expert.name == name)
 
 
+@pytest.mark.parametrize("noise", [None, 0.0], ids=["own noise", "no noise"])
 @pytest.mark.parametrize(("world", "kwargs", "name", "horizon", "labels", "ldba"), TASKS)
 def test_an_expert_accepts_and_never_violates_in_fifty_episodes(
     world: str,
@@ -88,9 +104,12 @@ def test_an_expert_accepts_and_never_violates_in_fifty_episodes(
     horizon: int,
     labels: Callable[[np.ndarray], np.ndarray],
     ldba: Ldba,
+    noise: float | None,
 ) -> None:
     env = gym.make(f"tiloilc/{world}-v0", **kwargs)
     expert = named(env, name)
+    if noise is not None:
+        expert = replace(expert, noise=noise)
     for seed in range(50):
         run = ldba.run(labels(episode(env, expert, horizon, seed)).tolist())
         assert ldba.sink not in run
@@ -141,6 +160,30 @@ def test_experts_are_good_but_not_optimal() -> None:
     steps = {len(episode(env, named(env, "circular"), 144, seed)) - 1 for seed in range(20)}
     assert min(steps) > 79, "two rounds can be made in 79 steps"
     assert len(steps) > 3
+
+
+@pytest.mark.parametrize(("speed", "visits"), [((10, 10), 3), ((14, 14), 4), ((25, 25), 7)])
+def test_a_driver_who_does_not_stop_makes_more_rounds_the_faster_he_is(
+    speed: tuple[float, float], visits: int
+) -> None:
+    env = gym.make("tiloilc/Carlo-v0")
+    ldba = chain("01", cyclic=True, avoid="z")
+    driver = replace(named(env, "carlo"), laps=99, speed=speed, noise=0.0)
+    run = ldba.run(ROAD(episode(env, driver, 500, 0)).tolist())
+    assert ldba.sink not in run
+    assert sum(b in ldba.accepting for b in run[1:]) == visits
+
+
+def test_a_careless_driver_crashes_or_stops_before_a_round_is_complete() -> None:
+    env = gym.make("tiloilc/Carlo-v0")
+    ldba = chain("01", cyclic=True, avoid="z")
+    crashed = 0
+    for seed in range(50):
+        run = ldba.run(ROAD(episode(env, named(env, "unsafe"), 500, seed)).tolist())
+        assert not ldba.accepting & set(run)
+        crashed += run[-1] == ldba.sink
+        assert run[-1] in (1, ldba.sink)
+    assert 15 < crashed < 35
 
 
 def test_an_environment_without_experts_has_none() -> None:

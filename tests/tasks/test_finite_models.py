@@ -69,8 +69,26 @@ def test_the_lattice_begins_where_flatworld_does() -> None:
     assert len(model.observations) > 1600
 
 
+def test_the_model_of_the_rooms_steps_as_the_environment_does() -> None:
+    vector = gym.make_vec("tiloilc/SixteenRooms-v0", num_envs=1, noise=0.0)
+    model = finite_model(vector)
+    assert model is not None
+    assert not model.exact
+    start, _ = vector.reset()
+    np.testing.assert_array_equal(model.observations[model.initial], start)
+    count = len(model.observations)
+    assert count == 2 * (16 * 81 + 24 * 3), "9 by 9 in a room, 3 in a door"
+    copies = gym.make_vec("tiloilc/SixteenRooms-v0", num_envs=count)
+    copies.reset()
+    for number, action in enumerate(model.actions):
+        copies.set_state(model.observations)
+        seen, *_ = copies.step(np.tile(action, (count, 1)))
+        np.testing.assert_array_equal(model.observations[model.successor[:, number]], seen)
+
+
 def test_an_environment_without_a_model_has_none() -> None:
     assert finite_model(gym.make("CartPole-v1")) is None
+    assert finite_model(gym.make("tiloilc/Carlo-v0")) is None
 
 
 def test_what_is_no_model_is_refused() -> None:

@@ -25,7 +25,7 @@ from tiloilc.product.walk import walk_tables
 from tiloilc.spec.settings import Epsilon
 
 if TYPE_CHECKING:
-    from tiloilc.tasks import FiniteModel
+    from tiloilc.tasks import FiniteModel, Known
 
 Int: TypeAlias = npt.NDArray[np.int64]
 Value: TypeAlias = npt.NDArray[np.int32]
@@ -110,21 +110,42 @@ def task_optimum(
     horizon: int,
     epsilon: Epsilon = "free",
 ) -> Optimum | None:
-    """The optimum of an environment that publishes a finite model; None if it does not.
+    """The optimum of an environment that publishes a finite model, or the best that it knows.
 
-    None as well if the induction would look at more than MAX_WORK entries.
+    None if it publishes neither; a model is left out if the induction would look at more than
+    MAX_WORK entries.
     """
     import gymnasium
 
-    from tiloilc.tasks import finite_model
+    from tiloilc.tasks import finite_model, known_best
 
     env = gymnasium.make(environment, disable_env_checker=True, **kwargs)
     model = finite_model(env)
+    if model is not None and model.successor.size * len(ldba.states) * horizon <= MAX_WORK:
+        env.close()
+        observations = model.observations.astype(np.float32)
+        return optimum(model, labels(observations), ldba, horizon, epsilon)
+    known = [_achieved(best, labels, ldba, epsilon) for best in known_best(env, horizon)]
     env.close()
-    if model is None or model.successor.size * len(ldba.states) * horizon > MAX_WORK:
-        return None
-    observations = model.observations.astype(np.float32)
-    return optimum(model, labels(observations), ldba, horizon, epsilon)
+    return max(known, key=lambda found: found.accepting_visits, default=None)
+
+
+def _achieved(known: Known, labels: Labels, ldba: Ldba, epsilon: Epsilon) -> Optimum:
+    """What episodes that are known achieve, with jumps chosen as well as they can be.
+
+    Each is a finite model without any choice but that of jumps.
+    """
+    from tiloilc.tasks import FiniteModel
+
+    visits = []
+    for observations in known.observations.astype(np.float32):
+        steps = np.arange(len(observations))
+        alone = FiniteModel(
+            observations, np.append(steps[1:], steps[-1])[:, None], steps[:1], steps[:1], False, ""
+        )
+        found = optimum(alone, labels(observations), ldba, len(steps) - 1, epsilon)
+        visits.append(found.accepting_visits)
+    return Optimum(float(np.mean(visits)), False, known.how)
 
 
 def _options(ldba: Ldba, letters: Int) -> Int:

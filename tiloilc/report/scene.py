@@ -171,14 +171,14 @@ def outlines(drawn: Map, x_min: float, y_max: float, scale: float) -> list[Marku
     """The map's zones in a picture whose upper left corner is (x_min, y_max)."""
     zones = [_shape(shape, x_min, y_max, scale) for shape in drawn.shapes]
     # names over all areas, for areas overlap
-    return [*(area for area, _ in zones), *(name for _, name in zones)]
+    return [*(area for area, _ in zones), *(name for _, name in zones if name is not None)]
 
 
-def _shape(shape: Shape, x_min: float, y_max: float, scale: float) -> tuple[Markup, Markup]:
-    """A zone's area and its name."""
+def _shape(shape: Shape, x_min: float, y_max: float, scale: float) -> tuple[Markup, Markup | None]:
+    """A zone's area and its name, if it has one."""
     x, y = (shape.low[0] - x_min) * scale, (y_max - shape.low[1]) * scale
     style = {"class_": "zone", "fill": shape.color, "stroke": shape.color}
-    about = tag("title", shape.name)
+    about = tag("title", shape.name) if shape.name else ""
     if shape.inner:
         rims = [_rim(x, y, shape.radius * scale), _rim(x, y, shape.inner * scale)]
         area = tag("path", about, d="".join(rims), fill_rule="evenodd", **style)
@@ -191,8 +191,9 @@ def _shape(shape: Shape, x_min: float, y_max: float, scale: float) -> tuple[Mark
         up = (shape.high[1] - shape.low[1]) * scale
         area = tag("rect", about, x=x, y=y - up, width=across, height=up, **style)
         middle = (x + across / 2, y - up / 2)
-    name = tag("text", shape.name, class_="zone-name", x=middle[0], y=middle[1] + 4)
-    return area, name
+    if not shape.name:
+        return area, None
+    return area, tag("text", shape.name, class_="zone-name", x=middle[0], y=middle[1] + 4)
 
 
 def _rim(x: float, y: float, radius: float) -> str:
