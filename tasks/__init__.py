@@ -30,6 +30,7 @@ __all__ = [
 
 _MODULES = {
     "Carlo": "carlo",
+    "CheetahFlip": "robots.cheetah",
     "FetchAlign": "robots.fetch_closed",
     "FetchAvoid": "robots.fetch_closed",
     "FetchPlaceButton": "robots.fetch_place",

@@ -13,7 +13,7 @@ All of them act with noise, so that what they demonstrate is good but not optima
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -33,7 +33,8 @@ class Progress:
 
     `route` is which of its routes it follows, `leg` the waypoint it heads for, `laps` how often it
     has finished the route, `dwelt` for how many steps it has stayed after the last lap, and `pace`
-    the share of full speed that it moves with in this episode.
+    the share of full speed that it moves with in this episode. `steps` are the actions so far: the
+    clock of an expert that moves by the clock. `plan` is what a planner means to do next.
     """
 
     route: int = 0
@@ -41,6 +42,8 @@ class Progress:
     laps: int = 0
     dwelt: int = 0
     pace: float = 1.0
+    steps: int = 0
+    plan: npt.NDArray[np.float64] | None = field(default=None, compare=False)
     done: bool = False
 
 

@@ -118,6 +118,25 @@ def test_what_a_function_returns_none_for_is_the_end(run: Run, swing: Path) -> N
     assert [demo.steps for demo in load("swing.npz").episodes] == [7]
 
 
+def test_rounds_make_demonstrations_longer_and_are_told_in_the_sidecar(
+    run: Run, workdir: Path
+) -> None:
+    for laps in (1, 3):
+        out = f"{laps}.npz"
+        run("demos", "record", "flatworld_cycle", "-n", 2, "--laps", laps, "-o", out)
+    short, long = (load(workdir / f"{laps}.npz") for laps in (1, 3))
+    assert (short.meta["laps"], long.meta["laps"]) == (1, 3)
+    assert all(2 * a.steps < b.steps for a, b in zip(short.episodes, long.episodes, strict=True))
+
+
+def test_functions_make_no_rounds(run: Run, swing: Path) -> None:
+    how = ("demos", "record", "swing.yaml", "--expert", "drive.py:drive")
+    status, _, err = run(*how, "--laps", 2)
+    assert status == 1
+    assert "error[DEMO509]" in err
+    assert "no laps to set" in err
+
+
 def test_noise_disturbs_a_functions_actions_within_their_bounds(run: Run, swing: Path) -> None:
     how = ("demos", "record", "swing.yaml", "--expert", "drive.py:drive", "-n", 1)
     assert run(*how, "--noise", "0.4")[0] == 0

@@ -31,6 +31,7 @@ def record(
     count: int = 5,
     seed: int = 0,
     noise: float | None = None,
+    laps: int | None = None,
     span: Span | None = None,
 ) -> DemoSet:
     """Let an expert act in `count` episodes of at most `horizon` steps and keep what it does.
@@ -39,15 +40,18 @@ def record(
     `tiloilc.demos.functions`); None: the environment's first. An episode in
     which the expert does not finish its rounds is kept only if no later one is better: up to
     MAX_TRIES are tried. Episode i begins with `reset(seed=seeds[i])`, the expert's own noise is
-    drawn from the same seed. `noise` takes the place of the expert's own; 0 is none.
-    Raises CompileError DEMO506 if there is no such expert, DEMO509 if it has no noise to set.
+    drawn from the same seed. `noise` takes the place of the expert's own; 0 is none; so does `laps`
+    of the rounds that it makes. Raises CompileError DEMO506 if there is no such expert, DEMO509 if
+    it has no noise or rounds to set.
     """
     import gymnasium
 
     env = _make(environment, kwargs or {})
     chosen = _choose(env, environment, expert, span)
     if noise is not None:
-        chosen = _with_noise(chosen, noise)
+        chosen = _changed(chosen, "noise", noise)
+    if laps is not None:
+        chosen = _changed(chosen, "laps", laps)
     episodes: list[Demo] = []
     seeds: list[int] = []
     unfinished: list[tuple[Demo, int]] = []
@@ -80,6 +84,8 @@ def record(
     }
     if noise is not None:
         meta["noise"] = noise
+    if laps is not None:
+        meta["laps"] = laps
     return DemoSet(tuple(episodes), meta)
 
 
@@ -134,14 +140,14 @@ def _choose(
     )
 
 
-def _with_noise(expert: Expert, noise: float) -> Expert:
-    """The same expert, acting with so much noise."""
-    fields = getattr(expert, "__dataclass_fields__", {})
-    if "noise" not in fields:
-        problem = "it has no noise to set"
+def _changed(expert: Expert, field: str, value: float) -> Expert:
+    """The same expert with another value of one of its fields; functions make no rounds."""
+    known = field in getattr(expert, "__dataclass_fields__", {})
+    if not known or (field == "laps" and expert.laps < 1):
+        problem = f"it has no {field} to set"
         raise CompileError(Diagnostic.of("DEMO509", reference=expert.name, problem=problem))
     like: Any = expert
-    changed: Expert = dataclasses.replace(like, noise=noise)
+    changed: Expert = dataclasses.replace(like, **{field: value})
     return changed
 
 

@@ -76,14 +76,15 @@ def record_best(
     count: int,
     seed: int = 0,
     noise: float | None = None,
+    laps: int | None = None,
     span: Span | None = None,
 ) -> DemoSet:
     """Record `count` episodes with the environment's expert for this task.
 
     An environment may have experts for several tasks. Taken is the one of whose demonstrations
     the automaton accepts most; of equals one that the task's `name` ends with, then the one that
-    is accepted earliest. `noise` takes the place of their own. Raises CompileError DEMO506 if there
-    is none.
+    is accepted earliest. `noise` and `laps` take the place of their own. Raises CompileError
+    DEMO506 if there is none.
     """
     names = expert_names(environment.id, environment.kwargs)
     if not names:
@@ -97,6 +98,7 @@ def record_best(
             count=count,
             seed=seed,
             noise=noise,
+            laps=laps,
             span=span,
         )
         for expert in names

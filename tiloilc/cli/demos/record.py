@@ -23,6 +23,9 @@ def command(
         float | None,
         typer.Option(min=0.0, max=1.0, help="Disturbs its actions; 0: none [the expert's own]."),
     ] = None,
+    laps: Annotated[
+        int | None, typer.Option(min=1, help="Rounds that it makes [the expert's own].")
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the first episode.")] = 0,
     expert: Annotated[
         str | None,
@@ -64,6 +67,7 @@ def command(
                 count=episodes,
                 seed=seed,
                 noise=noise,
+                laps=laps,
             )
         else:
             demos = record(
@@ -74,6 +78,7 @@ def command(
                 count=episodes,
                 seed=seed,
                 noise=noise,
+                laps=laps,
             )
     if not quiet:
         with guests():
