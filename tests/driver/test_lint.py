@@ -129,10 +129,10 @@ def test_a_module_that_cannot_be_imported_says_so(tmp_path: Path) -> None:
 def test_a_robot_without_its_package_says_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import tiloilc.tasks.robots.fetch_place as tasks
+    from tiloilc.tasks.robots.fetch import tray
 
-    tasks._with_tray.cache_clear()
-    monkeypatch.setattr("tiloilc.tasks.robots.fetch.find_spec", lambda name: None)
+    tray._with_tray.cache_clear()
+    monkeypatch.setattr("tiloilc.tasks.robots.fetch.arm.find_spec", lambda name: None)
     (finding,) = lint(spec(tmp_path, ("FlatWorld-v0", "FetchPlaceTray-v0")))
     assert finding.code == "JOB600"
     assert finding.message.endswith("gymnasium-robotics is not installed")

@@ -184,6 +184,26 @@ def test_the_scene_from_above_shows_things_where_they_are(name: str) -> None:
             np.testing.assert_allclose(shape.center, seen[25:27], atol=1e-6)
 
 
+@every_task
+def test_before_a_reset_the_scene_shows_where_things_may_be(name: str) -> None:
+    env = make(name)
+    before = {shape.name: shape for shape in env.scene().shapes}
+    for seed in range(5):
+        env.reset(seed=seed)
+        for shape in env.scene().shapes:
+            around = before[shape.name]
+            if isinstance(around, Circle):
+                assert shape == around
+                continue
+            low, high = np.array(around.low) - 1e-6, np.array(around.high) + 1e-6
+            middle = (
+                shape.center if isinstance(shape, Circle) else np.add(shape.low, shape.high) / 2
+            )
+            if shape.name != "z":
+                assert (low <= middle).all()
+                assert (middle <= high).all()
+
+
 @pytest.mark.slow
 def test_the_grasp_that_is_seen_is_the_grasp_that_is_felt() -> None:
     """Agreement with the contacts of both fingers, over handling much worse than an expert's."""
@@ -211,9 +231,9 @@ def test_the_grasp_that_is_seen_is_the_grasp_that_is_felt() -> None:
 def test_without_gymnasium_robotics_it_is_said_what_to_install(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from tiloilc.tasks.robots.fetch import build
+    from tiloilc.tasks.robots.fetch.arm import build
 
-    monkeypatch.setattr("tiloilc.tasks.robots.fetch.find_spec", lambda name: None)
+    monkeypatch.setattr("tiloilc.tasks.robots.fetch.arm.find_spec", lambda name: None)
     with pytest.raises(gym.error.DependencyNotInstalled, match="gymnasium-robotics"):
         build("push.xml", lambda spec: None)
 

@@ -6,13 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.tasks.robots.arms import IDS, SPECS, by_hand, make, states
+from tests.tasks.robots.arms import IDS, SPECS, by_hand, make, moves, rollout, states
 from tiloilc.automaton import translate
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import bundled, record, replay, save
 from tiloilc.demos.recording import published_fields
 from tiloilc.label import Labeller, compile_predicates
 from tiloilc.ltl import parse
+from tiloilc.product import Copies
 from tiloilc.spec import Spec, read_spec
 from tiloilc.tasks import Expert, experts_of
 
@@ -117,3 +118,14 @@ def test_an_expert_reaches_acceptance_in_nine_of_ten_episodes(name: str, root: P
     for noise in (0.0, 0.2):
         runs = [attempt(name, labels, ldba, seed, noise) for seed in range(50)]
         assert sum(visits >= 1 and not violated for visits, violated in runs) >= 45
+
+
+def test_copies_stepped_together_are_single_environments(root: Path) -> None:
+    environment = read_spec(root / "specs" / "fetch_align.yaml").spec.environment
+    copies, actions = Copies(environment, 4), np.stack([moves(15, seed=s) for s in range(4)])
+    seen = [copies.reset([5, 6, 7, 8], np.ones(4, np.bool_))]
+    seen += [copies.step(actions[:, t])[0] for t in range(15)]
+    copies.close()
+    for i in range(4):
+        alone = rollout(make("FetchAlign"), actions[i], seed=5 + i)
+        np.testing.assert_array_equal(np.array(seen)[:, i], alone)

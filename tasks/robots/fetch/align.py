@@ -1,4 +1,4 @@
-"""Fetch Avoid and Fetch Align: the gripper stays closed (paper, appendix H)."""
+"""Fetch Align: three cubes are pushed onto a line."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from tiloilc.tasks.experts import Expert
 from tiloilc.tasks.robots.base import Doubles, Field
-from tiloilc.tasks.robots.fetch import (
+from tiloilc.tasks.robots.fetch.arm import (
     FINGERS,
     GRIP_VELOCITY,
     HALF,
@@ -25,14 +25,8 @@ from tiloilc.tasks.robots.fetch import (
     paint,
     rgba,
 )
-from tiloilc.tasks.robots.fetch_experts import Aligner, Reacher
+from tiloilc.tasks.robots.fetch.experts import Aligner
 from tiloilc.tasks.scene import Rectangle, Scene
-
-FAR = 1.70
-"""x from which on the arm counts as stretched out, in metres; it reaches 1.78."""
-
-CORRIDOR = 0.04
-"""How far the gripper may leave its first y to either side."""
 
 LINE = 1.30
 """x of the line across the middle of the table."""
@@ -46,53 +40,14 @@ SPREAD = 0.12
 NEAR, AWAY = 0.05, 0.08
 """How far from the line a cube begins at least and at most: all on the robot's side."""
 
+SHIFT = 0.01
+"""How far along the line from its place a cube begins at most."""
+
 BEHIND = (-0.19, -SPREAD, -0.1)
 """From where the gripper usually begins to where it does here: low, behind the first cube."""
 
 CUBES = ("cube1", "cube2", "cube3")
 COLORS = ("#d9534f", "#4caf6d", "#5b8fd6")
-
-
-class FetchAvoidEnv(FetchEnv):
-    """An arm that is to stretch out without swerving. The observation, 10 float32 numbers:
-
-    grip             3  m, where the gripper is; it begins at x = 1.342, y = 0.749
-    fingers          2  m, from the middle
-    grip_velocity    3  m a step
-    finger_velocity  2  m a step
-    """
-
-    def __init__(self, render_mode: str | None = None) -> None:
-        y = START[1]
-        fields = (
-            Field("grip", 3, (1.1, y - 0.1, 0.4), (1.8, y + 0.1, 0.7)),
-            FINGERS,
-            GRIP_VELOCITY,
-            Field("finger_velocity", 2, -0.01, 0.01),
-        )
-        super().__init__(_corridor(), fields, blocked=True, render_mode=render_mode)
-
-    def scene(self) -> Scene:
-        """The table and the corridor over it; `z` is what lies beside the corridor."""
-        x_min, y_min, x_max, y_max = TABLE
-        left, right = START[1] + CORRIDOR, START[1] - CORRIDOR
-        return Scene(
-            (x_min, y_min, 1.85, y_max),
-            (
-                Rectangle("table", "#e9e7e1", (x_min, y_min), (x_max, y_max)),
-                Rectangle("z", "#efc7c5", (x_min, y_min), (1.85, right)),
-                Rectangle("z", "#efc7c5", (x_min, left), (1.85, y_max)),
-                Rectangle("a", "#4caf6d", (FAR, right), (1.85, left)),
-            ),
-        )
-
-    def experts(self) -> tuple[Expert, ...]:
-        """One: straight on."""
-        return (Reacher("avoid", dwell=10, aim=(FAR + 0.04, START[1], 0.535), arrived=FAR),)
-
-    def _observe(self) -> Doubles:
-        fingers, opening = self.fingers()
-        return np.concatenate([self.grip(), fingers, self.motion(self._grip)[0], opening])
 
 
 class FetchAlignEnv(FetchEnv):
@@ -128,17 +83,21 @@ class FetchAlignEnv(FetchEnv):
         self._cubes = [int(self.model.site(f"object{i}").id) for i in range(len(CUBES))]
 
     def scene(self) -> Scene:
-        """The table, the line in its middle, and the cubes where they are."""
+        """The table, the line in its middle, and the cubes; where they may be, before a reset."""
         x_min, y_min, x_max, y_max = TABLE
-        band = Rectangle("line", "#f0e2b6", (LINE - ALIGNED, y_min), (LINE + ALIGNED, y_max))
-        cubes = [
-            Rectangle(name, color, (x - HALF, y - HALF), (x + HALF, y + HALF))
-            for name, color, (x, y, _) in zip(
-                "abc", COLORS, self.data.site_xpos[self._cubes].tolist(), strict=True
-            )
+        shapes = [
+            Rectangle("table", "#e9e7e1", (x_min, y_min), (x_max, y_max)),
+            Rectangle("line", "#f0e2b6", (LINE - ALIGNED, y_min), (LINE + ALIGNED, y_max)),
         ]
-        table = Rectangle("table", "#e9e7e1", (x_min, y_min), (x_max, y_max))
-        return Scene(TABLE, (table, band, *cubes))
+        for i, (site, color) in enumerate(zip(self._cubes, COLORS, strict=True)):
+            if self._begun:
+                x, y, _ = self.data.site_xpos[site].tolist()
+                low, high = (x - HALF, y - HALF), (x + HALF, y + HALF)
+            else:
+                low = LINE - AWAY - HALF, _row(i) - SHIFT - HALF
+                high = LINE - NEAR + HALF, _row(i) + SHIFT + HALF
+            shapes.append(Rectangle("abc"[i], color, low, high))
+        return Scene(TABLE, tuple(shapes))
 
     def experts(self) -> tuple[Expert, ...]:
         """One: pushes cube after cube from behind."""
@@ -149,7 +108,7 @@ class FetchAlignEnv(FetchEnv):
     def _furnish(self) -> None:
         for i in range(len(CUBES)):
             x = LINE - self.np_random.uniform(NEAR, AWAY)
-            y = _row(i) + self.np_random.uniform(-0.01, 0.01)
+            y = _row(i) + self.np_random.uniform(-SHIFT, SHIFT)
             self.put(f"object{i}:joint", x, y, TOP + HALF)
 
     def _observe(self) -> Doubles:
@@ -166,19 +125,6 @@ class FetchAlignEnv(FetchEnv):
 def _row(cube: int) -> float:
     """y of a cube's place on the line."""
     return START[1] + SPREAD * (cube - 1)
-
-
-@cache
-def _corridor() -> Arm:
-    def furnish(spec: Any) -> None:
-        for name, x, y, half in (
-            ("a", FAR + 0.05, START[1], (0.05, CORRIDOR)),
-            ("left", 1.45, START[1] + CORRIDOR + 0.05, (0.35, 0.05)),
-            ("right", 1.45, START[1] - CORRIDOR - 0.05, (0.35, 0.05)),
-        ):
-            paint(spec, name, "#4caf6d" if name == "a" else "#d9534f", (x, y, 0.5), (*half, 0.002))
-
-    return build("reach.xml", furnish)
 
 
 @cache

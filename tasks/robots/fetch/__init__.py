@@ -1,0 +1,1 @@
+"""Tasks of a Fetch arm over its table (paper, appendix H)."""
