@@ -408,7 +408,8 @@ def test_a_new_task_can_be_a_copy(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert run("init", "mine", "--from", "flatworld_cycle", "-q") == (0, "", "")
-    assert (tmp_path / "mine/mine.yaml").read_text().startswith("name: mine\n")
+    assert Path("mine/spec.schema.json").is_file(), "what the copy names, for editors"
+    assert "\nname: mine\n" in (tmp_path / "mine/mine.yaml").read_text()
     (tmp_path / "labels.py").write_text("def near(seen):\n    return seen[:, 0] > 1\n")
     own = spec(tmp_path, ("norm(pos) < 0.8", '{python: "labels.py:near"}'))
     assert run("init", "copy", "--from", own)[0] == 0

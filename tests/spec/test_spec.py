@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -292,6 +293,15 @@ def test_the_schema_takes_every_spec_of_the_project_and_the_good_file(root: Path
     for text in (GOOD, *(file.read_text(encoding="utf-8") for file in files)):
         validator.validate(loader.load(text))
         assert examined(text)[1] == ()
+
+
+def test_editors_find_the_schema_of_today_beside_every_spec_of_the_project(root: Path) -> None:
+    """`tiloilc schema > specs/spec.schema.json` writes it anew."""
+    shipped = (root / "specs" / "spec.schema.json").read_text(encoding="utf-8")
+    assert json.loads(shipped) == json_schema()
+    for file in (root / "specs").glob("*.yaml"):
+        first = file.read_text(encoding="utf-8").partition("\n")[0]
+        assert first == "# yaml-language-server: $schema=spec.schema.json"
 
 
 @pytest.mark.parametrize(

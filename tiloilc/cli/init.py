@@ -103,6 +103,7 @@ def _named(spec_file: SpecFile) -> dict[str, bytes]:
         demos = Path(spec.demonstrations.file)
         names += [demos.as_posix(), demos.with_suffix(".json").as_posix()]
     names += [spec.automaton] if spec.automaton is not None else []
+    names += re.findall(r"^# yaml-language-server: \$schema=(\S+)$", spec_file.text, re.MULTILINE)
     own = source_of(spec.environment, root)
     names += [own.relative_to(root).as_posix()] if own is not None else []
     inside = [n for n in sorted(set(names)) if not Path(n).is_absolute() and ".." not in n]
