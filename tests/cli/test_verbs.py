@@ -417,6 +417,36 @@ def test_a_new_task_can_be_a_copy(
     assert run("lint", "mine/mine.yaml", "copy/copy.yaml", "--deny", "warnings")[0] == 0
 
 
+@pytest.mark.parametrize(
+    "env", ["MountainCarContinuous-v0", "tiloilc/FlatWorld-v0", "ours:Ours-v0", "HalfCheetah-v5"]
+)
+def test_a_new_task_can_be_in_an_environment_that_exists(
+    env: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    if env.startswith("ours"):
+        assert run("init", "ours", "-q")[0] == 0
+        code = Path("ours/ours_environment.py").read_text()
+        Path("ours.py").write_text(code)
+    assert run("init", "wrapped", "--env", env, "-q") == (0, "", "")
+    status, out, _ = run("lint", "wrapped/wrapped.yaml", "--deny", "warnings")
+    assert status == 0, out
+    how = ("--expert", "wrapped/drive.py:drive", "-n", 1, "-o", "wrapped/demos.npz", "-q")
+    assert run("demos", "record", "wrapped/wrapped.yaml", *how)[0] == 0
+    assert Path("wrapped/ours.py").is_file() == env.startswith("ours")
+
+
+def test_a_new_task_in_an_environment_that_is_not_there_is_a_finding(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, _, err = run("init", "wrapped", "--env", "MountainCart-v0")
+    assert status == 1
+    assert err.startswith("error[JOB600]: cannot make `MountainCart-v0`")
+    assert not Path("wrapped").exists()
+    assert run("init", "x", "--env", "Pendulum-v1", "--from", "flatworld_cycle")[0] == 2
+
+
 def test_init_refuses_names_that_are_none(run: Run, tmp_path: Path) -> None:
     assert run("init", tmp_path / "a b")[0] == 2
     assert run("init", tmp_path / "x", "--from", "no_such_task")[0] == 2

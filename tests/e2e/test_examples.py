@@ -22,6 +22,7 @@ EXAMPLES = (
     "imported_automaton",
     "exported_policy",
     "own_algorithm",
+    "third_party",
 )
 
 
@@ -122,6 +123,32 @@ def test_the_point_learns_to_settle(copied: Path, tiloilc: Run) -> None:
     greedy = evaluation(copied)["greedy"]
     assert np.mean(greedy["accepting_visits"]) >= 40
     assert np.mean(greedy["violation_rate"]) <= 0.1
+
+
+@pytest.mark.parametrize("copied", ["third_party"], indirect=True)
+def test_the_car_trains_on_recorded_demonstrations(copied: Path, tiloilc: Run) -> None:
+    before = (copied / "swing.npz").read_bytes()
+    how = ("--expert", "drive.py:drive", "--noise", "0.5", "-o", "swing.npz")
+    tiloilc("demos", "record", "swing.yaml", *how, cwd=copied)
+    assert (copied / "swing.npz").read_bytes() == before
+    few = ("--steps=400", "--seeds=1", "--set=learning_starts=200", "--set=warm_start=none", "-q")
+    tiloilc("compile", "swing.yaml", cwd=copied)
+    tiloilc("train", "build/swing", *few, cwd=copied)
+    tiloilc("eval", "runs/swing/0001", "--episodes", "2", cwd=copied)
+    tiloilc("report", "runs/swing/0001", cwd=copied)
+    assert len(evaluation(copied)["greedy"]["accepting_visits"]) == 1
+    (page,) = copied.rglob("report.html")
+    assert "F (left &amp; X F flag)" in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("copied", ["third_party"], indirect=True)
+def test_the_car_learns_to_swing_and_to_reach_the_flag(copied: Path, tiloilc: Run) -> None:
+    tiloilc("lint", "swing.yaml", cwd=copied)
+    tiloilc("run", "swing.yaml", cwd=copied)
+    judged = evaluation(copied)
+    assert min(judged["greedy"]["success"]) == 1
+    assert np.mean(judged["greedy"]["success"]) >= np.mean(judged["cloning"]["success"])
 
 
 @pytest.mark.slow

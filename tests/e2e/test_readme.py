@@ -34,6 +34,7 @@ PAGES = (
     "README.md",
     "examples/exported_policy/README.md",
     "examples/own_environment/README.md",
+    "examples/third_party/README.md",
     "examples/own_demonstrations/README.md",
     "examples/imported_automaton/README.md",
 )

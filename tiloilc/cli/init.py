@@ -24,19 +24,31 @@ def command(
         str | None,
         typer.Option("--from", metavar="SPEC", help="A task file, or the name of a bundled one."),
     ] = None,
+    env: Annotated[
+        str | None,
+        typer.Option("--env", metavar="ID", help="A Gymnasium environment: Id-v0, module:Id-v0."),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Write a new task folder, ready to be trained.
 
-    It holds a task file, an environment to be replaced by your own, and a README. With --from, the
-    task file is a copy of another one, together with the files that it names.
+    It holds a task file, an environment to be replaced by your own, and a README. With --env, the
+    task is in an environment that exists: its fields are named, and there is a place for an expert.
+    With --from, the task file is a copy of another one, together with the files that it names.
     """
+    if source is not None and env is not None:
+        raise fail("give --from or --env, not both")
     folder = Path(name)
     if not NAME.fullmatch(folder.name):
         raise fail(f"`{folder.name}` cannot name a task: letters, digits, `_`, `-` and `.`")
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise fail(f"`{folder.as_posix()}` is there already")
-    written = _fresh(folder.name) if source is None else _copied(folder.name, source)
+    if env is not None:
+        from tiloilc.cli.wrapping import wrapped
+
+        written = wrapped(folder.name, env)
+    else:
+        written = _fresh(folder.name) if source is None else _copied(folder.name, source)
     for path, content in written.items():
         target = folder / path
         target.parent.mkdir(parents=True, exist_ok=True)

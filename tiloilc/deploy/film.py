@@ -9,7 +9,7 @@ import numpy as np
 
 from tiloilc.deploy.policy import Policy
 from tiloilc.diag import CompileError, Diagnostic
-from tiloilc.evaluate.protocol import EVALUATION
+from tiloilc.evaluate.seeds import EVALUATION
 from tiloilc.report.pictures.film import Film, shown_steps
 from tiloilc.report.pictures.frames import NoFrames, frame, make
 from tiloilc.report.pictures.place import Episode

@@ -17,16 +17,13 @@ from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate.metrics import EpisodeMetrics, measure
 from tiloilc.evaluate.optimum import Optimum, task_optimum
 from tiloilc.evaluate.rollout import Arena, Rollout
+from tiloilc.evaluate.seeds import EVALUATION, VALIDATION
 from tiloilc.learn import EVENTS, Labels, Metrics, Policy, last_events, load_policy, make_loop
 from tiloilc.plan import Plan, digest
 from tiloilc.spec.settings import Settings
 
 GAMMA = 0.99
 """The discount of the paper's metric (Eq. 18), whatever an agent is trained with."""
-
-VALIDATION, EVALUATION = 1_000_000_000, 2_000_000_000
-"""Where the seeds of these episodes begin; those of training are hashes of 32 bits. Policies are
-chosen on validation episodes and reported on evaluation episodes."""
 
 VALIDATION_EPISODES = 5
 """Judging every few thousand steps must stay cheap beside learning."""

@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from tiloilc.evaluate.seeds import EVALUATION
 from tiloilc.plan import importable
 from tiloilc.report.markup import Markup, number, tag
 from tiloilc.report.run import Trajectories
 from tiloilc.report.states import State
 
-__all__ = ["SIZE", "Map", "Shape", "cropped", "map_of", "outlines", "panels", "timeline"]
+__all__ = ["SIZE", "Map", "Shape", "apart", "cropped", "map_of", "outlines", "panels", "timeline"]
 
 SIZE = 220.0
 """Height of one picture in its own units."""
@@ -45,9 +46,12 @@ class Map:
     position: tuple[int, int]
 
 
-def map_of(environment: str, arguments: dict[str, Any], root: Path) -> Map | None:
+def map_of(
+    environment: str, arguments: dict[str, Any], root: Path, seed: int = EVALUATION
+) -> Map | None:
     """The map that the environment publishes by `scene()`; None if it has none or is not there.
 
+    It is that of the episode that begins with `seed`: things may lie elsewhere in another.
     A report of a run must be possible where its environment is not installed, so whatever goes
     wrong while the environment is made leaves the map out. Own environments are looked for in
     `root`, the task file's folder.
@@ -63,8 +67,11 @@ def map_of(environment: str, arguments: dict[str, Any], root: Path) -> Map | Non
         return None
     try:
         scene = getattr(env.unwrapped, "scene", None)
-        return None if scene is None else _read(scene())
-    except (AttributeError, TypeError, ValueError):  # another kind of scene
+        if scene is None:
+            return None
+        env.reset(seed=seed)
+        return _read(scene())
+    except Exception:  # another kind of scene, or a reset that fails
         return None
     finally:
         env.close()
@@ -170,12 +177,35 @@ def _picture(
 def outlines(drawn: Map, x_min: float, y_max: float, scale: float) -> list[Markup]:
     """The map's zones in a picture whose upper left corner is (x_min, y_max)."""
     zones = [_shape(shape, x_min, y_max, scale) for shape in drawn.shapes]
+    places = apart([place for _, place in zones], 13.0)
     # names over all areas, for areas overlap
-    return [*(area for area, _ in zones), *(name for _, name in zones if name is not None)]
+    return [
+        *(area for area, _ in zones),
+        *(
+            tag("text", shape.name, class_="zone-name", x=x, y=y + 4)
+            for shape, (x, y) in zip(drawn.shapes, places, strict=True)
+            if shape.name
+        ),
+    ]
 
 
-def _shape(shape: Shape, x_min: float, y_max: float, scale: float) -> tuple[Markup, Markup | None]:
-    """A zone's area and its name, if it has one."""
+def apart(places: Sequence[tuple[float, float]], size: float) -> list[tuple[float, float]]:
+    """Where names of a font `size` can be read: each below those that it would lie over.
+
+    The last ones keep their places: they are of what lies uppermost, and is small.
+    """
+    found: list[tuple[float, float]] = []
+    for x, y in reversed(places):
+        while any(abs(x - other) < 3 * size and abs(y - up) < size for other, up in found):
+            y += 1.15 * size
+        found.append((x, y))
+    return found[::-1]
+
+
+def _shape(
+    shape: Shape, x_min: float, y_max: float, scale: float
+) -> tuple[Markup, tuple[float, float]]:
+    """A zone's area, and the middle of its name."""
     x, y = (shape.low[0] - x_min) * scale, (y_max - shape.low[1]) * scale
     style = {"class_": "zone", "fill": shape.color, "stroke": shape.color}
     about = tag("title", shape.name) if shape.name else ""
@@ -191,9 +221,7 @@ def _shape(shape: Shape, x_min: float, y_max: float, scale: float) -> tuple[Mark
         up = (shape.high[1] - shape.low[1]) * scale
         area = tag("rect", about, x=x, y=y - up, width=across, height=up, **style)
         middle = (x + across / 2, y - up / 2)
-    if not shape.name:
-        return area, None
-    return area, tag("text", shape.name, class_="zone-name", x=middle[0], y=middle[1] + 4)
+    return area, middle
 
 
 def _rim(x: float, y: float, radius: float) -> str:

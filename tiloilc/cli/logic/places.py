@@ -11,7 +11,7 @@ from tiloilc.cli.logic.subjects import subject_of
 from tiloilc.diag import CompileError, Diagnostic
 
 if TYPE_CHECKING:
-    from tiloilc.demos import DemoSet, Labels
+    from tiloilc.demos import Demo, DemoSet, Labels
     from tiloilc.plan import Plan
     from tiloilc.report.pictures.canvas import Canvas, Pixels
     from tiloilc.report.pictures.environment import Shown
@@ -52,8 +52,11 @@ def _shown(source: str, number: int, alone: bool) -> Shown:
         episode, about = None, ""
         if len(demos):
             episode, about = _episode(plan, demos, number, labeller(plan))
-        drawn = map_of(environment.id, dict(environment.kwargs), root)
-        frames, problem = _frames(plan, demos, number, drawn, episode, alone)
+        seeds = demos.meta.get("seeds")
+        seed = seeds[number] if isinstance(seeds, list) and number < len(seeds) else 0
+        drawn = map_of(environment.id, dict(environment.kwargs), root, seed)
+        demo = demos.episodes[number] if len(demos) and isinstance(seeds, list) else None
+        frames, problem = _frames(plan, demo, seed, drawn, episode, alone)
     if drawn is None and not frames and alone:
         problem = f"it publishes no scene(), and no frames: {problem}"
         raise CompileError(Diagnostic.of("JOB611", environment=environment.id, problem=problem))
@@ -97,18 +100,23 @@ def _episode(plan: Plan, demos: DemoSet, number: int, labels: Labels) -> tuple[E
 
 
 def _frames(
-    plan: Plan, demos: DemoSet, number: int, drawn: Map | None, episode: Episode | None, alone: bool
+    plan: Plan,
+    demo: Demo | None,
+    seed: int,
+    drawn: Map | None,
+    episode: Episode | None,
+    alone: bool,
 ) -> tuple[dict[int, Pixels], str]:
-    """Frames by step, unless they show what the map does; and why there are none."""
+    """Frames by step, unless they show what the map does; and why there are none.
+
+    Without a demonstration that can be played again there is that of a beginning.
+    """
     from tiloilc.report.pictures.environment import highlight, moments
     from tiloilc.report.pictures.frames import NoFrames, along
 
     steps = {0}
     if episode is not None:
         steps = set(moments(episode)) if alone else {highlight(episode, plan.ldba.accepting)}
-    seeds = demos.meta.get("seeds")
-    seed = seeds[number] if isinstance(seeds, list) and number < len(seeds) else None
-    demo = demos.episodes[number] if len(demos) else None
     try:
         found = along(plan.environment, Path(plan.root), demo, seed, steps, drawn)
     except NoFrames as error:

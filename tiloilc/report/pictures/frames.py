@@ -58,22 +58,22 @@ def along(
     environment: Environment,
     root: Path,
     demo: Demo | None,
-    seed: int | None,
+    seed: int,
     steps: Collection[int],
     drawn: Map | None = None,
 ) -> dict[int, Pixels]:
     """Frames at the wanted steps of a demonstration that is played again from its seed.
 
-    Without a seed or actions there is no more than the frame of a beginning. There are none where
+    Without actions there is no more than the frame of a beginning. There are none where
     they would show what is `drawn` already. Raises NoFrames.
     """
     env = make(environment, root)
     try:
-        env.reset(seed=0 if seed is None else seed)
+        env.reset(seed=seed)
         found = {0: frame(env)}
         if drawn is not None and shows_map(found[0], drawn):
             return {}
-        if seed is not None and demo is not None and demo.actions is not None:
+        if demo is not None and demo.actions is not None:
             for step, action in enumerate(demo.actions[: max(steps, default=0)], 1):
                 env.step(action)
                 if step in steps:

@@ -27,7 +27,7 @@ from tiloilc.report.pictures.canvas import (
     Shape,
     Text,
 )
-from tiloilc.report.scene import Map
+from tiloilc.report.scene import Map, apart
 from tiloilc.report.states import SINK, State
 
 ROUGH = 150
@@ -85,7 +85,7 @@ def on_map(
     inside: list[Plain] = list(zones(drawn, view))
     for episode in episodes:
         inside += path(episode, drawn, states, view)
-    inside += names(drawn, view)
+    inside += names(drawn, view, 12.0 if view.frame.width > 200 else 9.0)
     return [ground, Clip(frame, tuple(inside)), rim]
 
 
@@ -105,11 +105,13 @@ def zones(drawn: Map, view: View) -> Iterator[Plain]:
 
 def names(drawn: Map, view: View, size: float = 12.0) -> Iterator[Text]:
     """What its areas are called; in a ring the name stands below the hole."""
-    for shape in drawn.shapes:
-        if not shape.name:
-            continue
+    named = [shape for shape in drawn.shapes if shape.name]
+    middles = []
+    for shape in named:
         x, y = view.at((shape.low[0] + shape.high[0]) / 2, (shape.low[1] + shape.high[1]) / 2)
         y += (shape.inner + shape.radius) / 2 * view.scale if shape.inner else 0.0
+        middles.append((x, y))
+    for shape, (x, y) in zip(named, apart(middles, size), strict=True):
         yield Text(x, y + size / 3, shape.name, size, INK, "middle", True, 0.55)
 
 
