@@ -17,6 +17,8 @@ import mujoco
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 
+from tiloilc.tasks.experts import Expert
+from tiloilc.tasks.known import Known
 from tiloilc.tasks.robots.base import Doubles, Field, RobotEnv
 from tiloilc.tasks.robots.camera import View
 
@@ -24,7 +26,11 @@ SUBSTEPS = 20
 """Of 2 ms each: 25 actions a second."""
 
 REACH = 0.05
-"""Metres that a full action asks the gripper to move."""
+"""Metres that a full action asks the gripper to move along an axis. It makes 33 mm of them, and up
+to 47 mm where it turns round: this is what a step cannot exceed."""
+
+STARTS = 2
+"""Episodes that are played to know what is possible where they are long."""
 
 JOINTS = {"robot0:slide0": 0.405, "robot0:slide1": 0.48, "robot0:slide2": 0.0}
 """Where the robot stands beside its table."""
@@ -189,6 +195,20 @@ class FetchEnv(RobotEnv):
         mujoco.mj_jacSite(self.model, self.data, self._jacobian, turn, site)
         velocity = self.data.qvel * self.step_seconds
         return self._jacobian @ velocity, turn @ velocity
+
+
+def played(env: FetchEnv, expert: Expert, horizon: int, starts: int, how: str) -> Known:
+    """Episodes of an expert from the starts of the seeds 0, 1, …"""
+    generator = np.random.default_rng(0)
+    episodes = []
+    for seed in range(starts):
+        seen = [env.reset(seed=seed)[0]]
+        progress = expert.begin(seen[0], generator)
+        for _ in range(horizon):
+            action, progress = expert.act(seen[-1], progress, generator)
+            seen.append(env.step(action)[0])
+        episodes.append(np.array(seen))
+    return Known(np.array(episodes), how)
 
 
 def euler(matrix: Doubles) -> Doubles:

@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 from functools import cache
+from math import ceil
 from typing import Any
 
 import numpy as np
 
 from tiloilc.tasks.experts import Expert
+from tiloilc.tasks.known import Known
 from tiloilc.tasks.robots.base import Doubles, Field
 from tiloilc.tasks.robots.fetch.arm import (
     FINGERS,
     GRIP_VELOCITY,
+    REACH,
     START,
     TABLE,
     Arm,
     FetchEnv,
     build,
     paint,
+    played,
 )
 from tiloilc.tasks.robots.fetch.experts import Reacher
 from tiloilc.tasks.scene import Rectangle, Scene
 
 FAR = 1.70
 """x from which on the arm counts as stretched out, in metres; it reaches 1.78."""
+
+AIM = (FAR + 0.04, START[1], 0.535)
+"""Where an expert goes."""
 
 CORRIDOR = 0.04
 """How far the gripper may leave its first y to either side."""
@@ -64,7 +71,17 @@ class FetchAvoidEnv(FetchEnv):
 
     def experts(self) -> tuple[Expert, ...]:
         """One: straight on."""
-        return (Reacher("avoid", dwell=10, aim=(FAR + 0.04, START[1], 0.535), arrived=FAR),)
+        return (Reacher("avoid", dwell=10, aim=AIM, arrived=FAR),)
+
+    def known_best(self, horizon: int) -> tuple[Known, ...]:
+        """The expert without noise, from the one start there is."""
+        steps = ceil((FAR - START[0]) / REACH)
+        how = (
+            "a scripted controller that goes straight on: a lower bound, reached by real actions; "
+            f"a step asks for at most {REACH:g} m, so that nobody arrives before step {steps}"
+        )
+        expert = Reacher("avoid", noise=0.0, dwell=horizon, aim=AIM, arrived=FAR)
+        return (played(FetchAvoidEnv(), expert, horizon, 1, how),)
 
     def _observe(self) -> Doubles:
         fingers, opening = self.fingers()

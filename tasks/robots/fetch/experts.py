@@ -167,14 +167,19 @@ class Placer(Carrier):
 
 @dataclass(frozen=True)
 class Presser(Carrier):
-    """Carries the block to the goal, then, block in hand, goes to the button; and again."""
+    """Carries the block to the goal, then, block in hand, goes to the button; and again.
+
+    It turns round where the block is nearer to the goal than `near`, in metres.
+    """
+
+    near: float = 0.035
 
     def _carry(self, seen: Doubles, progress: Progress) -> Wish:
         grip, block, away = seen[:3], seen[3:6], seen[6:9]
         goal, button = seen[25:28], seen[28:31]
         if progress.laps == self.laps:
             return grip.copy(), -1.0, progress
-        if progress.leg == 0 and np.linalg.norm(block - goal) < 0.035:
+        if progress.leg == 0 and np.linalg.norm(block - goal) < self.near:
             progress = replace(progress, leg=1)
         elif progress.leg == 1 and np.linalg.norm(grip - button) < 0.05:
             progress = replace(progress, leg=0, laps=progress.laps + 1)

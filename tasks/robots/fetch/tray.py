@@ -9,8 +9,9 @@ import mujoco
 import numpy as np
 
 from tiloilc.tasks.experts import Expert
+from tiloilc.tasks.known import Known
 from tiloilc.tasks.robots.base import Doubles, Field
-from tiloilc.tasks.robots.fetch.arm import TABLE, TOP, Arm, build, rgba
+from tiloilc.tasks.robots.fetch.arm import STARTS, TABLE, TOP, Arm, build, played, rgba
 from tiloilc.tasks.robots.fetch.block import (
     GOAL_COLOR,
     NEAR,
@@ -80,6 +81,15 @@ class FetchPlaceTrayEnv(BlockEnv):
     def experts(self) -> tuple[Expert, ...]:
         """One: takes the block and puts it where it belongs."""
         return (Placer("tray", goal=GOAL),)
+
+    def known_best(self, horizon: int) -> tuple[Known, ...]:
+        """The expert without noise, from a few starts."""
+        how = (
+            "a scripted controller that takes the block straight there: a lower bound, reached by "
+            f"real actions from {STARTS} starts"
+        )
+        expert = Placer("tray", noise=0.0, dwell=horizon, goal=GOAL)
+        return (played(FetchPlaceTrayEnv(self.tray), expert, horizon, STARTS, how),)
 
     def _furnish(self) -> None:
         super()._furnish()

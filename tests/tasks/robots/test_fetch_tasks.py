@@ -11,6 +11,7 @@ from tiloilc.automaton import translate
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import bundled, record, replay, save
 from tiloilc.demos.recording import published_fields
+from tiloilc.evaluate.optimum import task_optimum
 from tiloilc.label import Labeller, compile_predicates
 from tiloilc.ltl import parse
 from tiloilc.product import Copies
@@ -129,3 +130,17 @@ def test_copies_stepped_together_are_single_environments(root: Path) -> None:
     for i in range(4):
         alone = rollout(make("FetchAlign"), actions[i], seed=5 + i)
         np.testing.assert_array_equal(np.array(seen)[:, i], alone)
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "most"),
+    [("fetch_avoid", 38, 43), ("fetch_align", 32, 50), ("fetchplace_button", 30, 250)],
+)
+def test_the_best_that_is_known_is_told(name: str, least: float, most: float, root: Path) -> None:
+    spec, labels, ldba = task(root, name)
+    world = spec.environment
+    best = task_optimum(world.id, world.kwargs, labels, ldba, world.horizon)
+    assert best is not None
+    assert least <= best.accepting_visits <= most
+    assert not best.exact
+    assert "a lower bound, reached by real actions" in best.how
