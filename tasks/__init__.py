@@ -31,6 +31,8 @@ __all__ = [
 _MODULES = {
     "Carlo": "carlo",
     "CheetahFlip": "robots.cheetah",
+    "DoggoAvoid": "robots.doggo",
+    "DoggoNavigate": "robots.doggo",
     "FetchAlign": "robots.fetch.align",
     "FetchAvoid": "robots.fetch.avoid",
     "FetchPlaceButton": "robots.fetch.button",

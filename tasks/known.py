@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
+import gymnasium
 import numpy as np
 import numpy.typing as npt
+
+from tiloilc.tasks.experts import Expert, Observation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,3 +43,24 @@ def known_best(env: object, horizon: int) -> tuple[Known, ...]:
         if not isinstance(known, Known):
             raise TypeError(f"{bare!r} publishes {type(known).__name__} as a known best")
     return found
+
+
+def played(
+    env: gymnasium.Env[Observation, Any], expert: Expert, horizon: int, seeds: Sequence[int]
+) -> npt.NDArray[np.generic]:
+    """What is seen while an expert acts for `horizon` steps from each start, [m, T+1, d].
+
+    The expert must not be done before that.
+    """
+    episodes = []
+    for seed in seeds:
+        generator = np.random.default_rng(seed)
+        observation, _ = env.reset(seed=seed)
+        progress = expert.begin(observation, generator)
+        seen = [observation]
+        for _ in range(horizon):
+            action, progress = expert.act(seen[-1], progress, generator)
+            assert not progress.done, "the expert stops before the horizon"
+            seen.append(env.step(action)[0])
+        episodes.append(seen)
+    return np.array(episodes)
