@@ -89,7 +89,7 @@ class FetchAlignEnv(FetchEnv):
         """The table, the line in its middle, and the cubes; where they may be, before a reset."""
         x_min, y_min, x_max, y_max = TABLE
         shapes = [
-            Rectangle("table", "#e9e7e1", (x_min, y_min), (x_max, y_max)),
+            Rectangle("", "#e9e7e1", (x_min, y_min), (x_max, y_max)),
             Rectangle("line", "#f0e2b6", (LINE - ALIGNED, y_min), (LINE + ALIGNED, y_max)),
         ]
         for i, (site, color) in enumerate(zip(self._cubes, COLORS, strict=True)):

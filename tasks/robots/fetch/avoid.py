@@ -62,7 +62,7 @@ class FetchAvoidEnv(FetchEnv):
         return Scene(
             (x_min, y_min, 1.85, y_max),
             (
-                Rectangle("table", "#e9e7e1", (x_min, y_min), (x_max, y_max)),
+                Rectangle("", "#e9e7e1", (x_min, y_min), (x_max, y_max)),
                 Rectangle("z", "#efc7c5", (x_min, y_min), (1.85, right)),
                 Rectangle("z", "#efc7c5", (x_min, left), (1.85, y_max)),
                 Rectangle("a", "#4caf6d", (FAR, right), (1.85, left)),

@@ -96,7 +96,7 @@ class BlockEnv(FetchEnv):
             x, y, _ = self.block().tolist()
             low = high = (x, y)
         return (
-            Rectangle("table", "#e9e7e1", TABLE[:2], TABLE[2:]),
+            Rectangle("", "#e9e7e1", TABLE[:2], TABLE[2:]),
             Rectangle("block", BLOCK_COLOR, *grown(low, high, HALF)),
         )
 
