@@ -147,7 +147,7 @@ class Settings(Model):
         description="where networks learn; `auto`: on the GPU, if there is one that torch can use"
     )
     compile: Literal["auto", "never", "always"] = Field(
-        description="compile the update, where there is a C++ compiler; `auto`: for 50,000 updates "
+        description="compile the update, where there is a C++ compiler; `auto`: for 25,000 updates "
         "or more, so that the minute it takes pays"
     )
 

@@ -23,7 +23,7 @@ def doubled(x: torch.Tensor) -> torch.Tensor:
 
 
 def test_compiling_is_for_many_updates_unless_told_otherwise() -> None:
-    many, few = {"steps": 60_000, "learning_starts": 10_000}, {"steps": 59_999}
+    many, few = {"steps": 35_000, "learning_starts": 10_000}, {"steps": 34_999}
     assert pays(settings(**many))
     assert not pays(settings(**many | few))
     assert not pays(settings(**many, updates_per_step=0.5))
