@@ -316,7 +316,7 @@ CYCLE = flatworld_cycle()
 def test_stage_way_and_discriminator_are_all_those_of_b() -> None:
     """Trap 3. SIDX = 0, 1, N = 2 on the ring, and another f for each b and cell: (b + β f) / 2."""
     found = swept(task(RING, beta="1/3"), sweeps=1)
-    values = found.discriminators.values[0]
+    values = found.method.discriminators.values[0]
     values.copy_(torch.linspace(-0.9, 0.9, values.numel()).view_as(values))
     q = found.q.clone()
     found.learn(0)  # with step size 1: the new Q is the target

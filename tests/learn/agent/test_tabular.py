@@ -36,8 +36,7 @@ def test_segment_makes_acceptance_the_beginning_of_the_next_segment() -> None:
     """The accepting state of a ring shares the row of its first state: same Q, same acts."""
     made = task(RING, accepting_target="segment", exact_entry=True)
     agent = swept(made)
-    table = agent.table
-    assert table.code.tolist() == [0, 1, 0, 3]
+    assert agent.code.tolist() == [0, 1, 0, 3]
     expected = exact(task(RING, exact_entry=True))  # outside acceptance nothing changes
     assert np.allclose(agent.q[0, :, :2].numpy(), expected[:, :2], atol=1e-3)
     seen = np.arange(SIZE, dtype=np.float32)[None, :, None]
@@ -215,7 +214,10 @@ def test_episodes_of_different_lengths_are_learned_each_once() -> None:
         found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_))
         length = np.array([[t + 1 if t < 2 else 1], [t + 1]])
         found.finish(np.array(ended)[:, None], length)
-    taken = [(step.cell[:, 0].tolist(), step.valid[:, 0].tolist()) for step in found.closed]
+    taken = [
+        (step.batch.observation[:, 0, 0].tolist(), step.valid[:, 0].tolist())
+        for step in found.closed
+    ]
     assert taken == [
         ([1, 2], [True, False]),
         ([0, 1], [True, False]),
@@ -233,7 +235,9 @@ def test_episodes_that_end_together_have_each_their_own_length() -> None:
         cells = np.full((2, 1, 1), t, np.float32)
         found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_))
     found.finish(np.array([[True], [True]]), np.array([[1], [3]]))
-    taken = [(step.cell[0, 0].item(), step.valid[:, 0].tolist()) for step in found.closed]
+    taken = [
+        (step.batch.observation[0, 0, 0].item(), step.valid[:, 0].tolist()) for step in found.closed
+    ]
     assert taken == [(2, [True, True]), (1, [False, True]), (0, [False, True])]
 
 
@@ -255,8 +259,8 @@ def test_seeds_learn_from_their_own_steps_only() -> None:
 def test_segments_are_counted_in_their_buffers() -> None:
     found = agent(seeds=2)
     found.segment(1, 3, np.array([[0], [4], [4]], np.float32))
-    assert found.discriminators.counts[1, 3].tolist() == [1, 0, 0, 0, 2]
-    assert found.discriminators.counts.sum() == 3
+    assert found.method.discriminators.counts[1, 3].tolist() == [1, 0, 0, 0, 2]
+    assert found.method.discriminators.counts.sum() == 3
 
 
 @pytest.mark.parametrize(
@@ -273,7 +277,7 @@ def test_every_finite_space_is_numbered(
     space: Any, observations: Sequence[Sequence[int]], cells: list[int]
 ) -> None:
     found = _on(space)
-    assert found._cells(np.array(observations, np.float32)).tolist() == cells
+    assert found.cells(torch.tensor(observations)).tolist() == cells
     assert found.q.shape[1] > max(cells)
 
 
@@ -295,7 +299,7 @@ def test_the_reward_is_that_of_todays_discriminators() -> None:
         np.array([[False]]),
     ]
     found.record(*step)
-    found.discriminators.values[0, 0, 1] = 0.6  # after the step, before it is learned
+    found.method.discriminators.values[0, 0, 1] = 0.6  # after the step, before it is learned
     found.learn(0)
     table = StageTable.of(stage_plan(STAY), walk_tables(STAY), found.settings)
     expected = stage_reward(table, torch.tensor([[0]]), torch.tensor(0.6), found.settings)

@@ -5,12 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 import torch
+from gymnasium.spaces import Discrete
 
 from tests.learn.examples import generator, settings
 from tests.plan.automata import flatworld_cycle, response
 from tiloilc.learn.algorithm.counts import CountDiscriminators
 from tiloilc.learn.algorithm.discriminators import Discriminators, RunningNorm, StageBuffers
 from tiloilc.learn.algorithm.unions import stage_unions
+from tiloilc.learn.engine.cells import Cells
 from tiloilc.plan import stage_plan
 
 STAGES = stage_plan(flatworld_cycle())  # stages 0, 1, 2; 3 accepts, 4 is the sink, B_⊥ is 5
@@ -280,20 +282,20 @@ def test_discriminators_go_on_from_their_state() -> None:
 
 
 def counted(shown: Sequence[int] = (), **changes: object) -> CountDiscriminators:
-    found = CountDiscriminators(STAGES, 4, np.array(shown, np.int64), settings(seeds=1, **changes))
+    states = torch.tensor(shown, dtype=torch.float32)[:, None]
+    found = CountDiscriminators(STAGES, Cells.of(Discrete(4)), states, settings(seeds=1, **changes))
     found.counts[0, 3] = torch.tensor([0.0, 2.0, 0.0, 6.0])
     found.counts[0, 0] = torch.tensor([3.0, 1.0, 0.0, 0.0])
     return found
 
 
 def of(found: CountDiscriminators, b: int) -> list[float]:
-    seed = torch.zeros(4, dtype=torch.long)
-    return found.bonus(seed, torch.arange(4), torch.full((4,), b)).tolist()
+    return found.bonus(torch.arange(4)[None, :, None], torch.full((1, 4), b))[0].tolist()
 
 
 def test_counts_give_the_log_ratio_of_the_frequencies() -> None:
     found = counted()
-    found.refresh()
+    found.learn({})
     positive = np.array([0.0, 2, 0, 6])
     negative = np.array([3.0, 1, 0, 0]) * 8 / 4  # as if both sides were equally many
     expected = np.tanh(np.log((positive + 0.5) / (negative + 0.5)))
@@ -304,16 +306,16 @@ def test_counts_give_the_log_ratio_of_the_frequencies() -> None:
 def test_counts_of_one_side_alone_say_nothing() -> None:
     found = counted()
     found.counts[0, 0] = 0
-    found.refresh()
+    found.learn({})
     assert of(found, 0) == [0, 0, 0, 0]
-    assert of(counted(), 0) == [0, 0, 0, 0]  # not before they are refreshed
+    assert of(counted(), 0) == [0, 0, 0, 0]  # not before they are learned
 
 
 def test_counts_of_sinks_are_negative_for_every_stage() -> None:
     found = counted()
     found.counts[0, 0] = 0
     found.counts[0, STAGES.sink_buffer] = torch.tensor([0.0, 0, 9, 0])
-    found.refresh()
+    found.learn({})
     for b in range(3):
         assert of(found, b)[2] < -0.9
     assert of(found, 3) == of(found, 4) == [0, 0, 0, 0]
@@ -321,7 +323,7 @@ def test_counts_of_sinks_are_negative_for_every_stage() -> None:
 
 def test_counts_take_their_share_of_demonstrations() -> None:
     found = counted(shown=[1, 1, 2, 2], demo_fraction=0.5)
-    found.refresh()
+    found.learn({})
     positive = 0.5 * np.array([0.0, 2, 0, 6]) + 0.5 * 8 * np.array([0, 2, 2, 0]) / 4
     negative = np.array([3.0, 1, 0, 0]) * 8 / 4
     expected = np.tanh(np.log((positive + 0.5) / (negative + 0.5)))

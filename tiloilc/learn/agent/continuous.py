@@ -12,7 +12,7 @@ from torch import Tensor
 
 from tiloilc.learn.agent.cloning import clone, demonstrated_rows
 from tiloilc.learn.agent.shown import Shown
-from tiloilc.learn.algorithm.method import Setup, make_method
+from tiloilc.learn.algorithm.method import Setup, make_method, rewards_of
 from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.chance import Chance, draw_shown, draw_states
 from tiloilc.learn.engine.device import check_memory, memory_of
@@ -243,11 +243,8 @@ class SacAgent:
 
     def rewards(self, observations: Floats) -> Tensor:
         """What the algorithm pays for s [n, d] in each automaton state b: [seed, b, n]."""
-        seeds, states, n = self.settings.seeds, self.walk.states, len(observations)
-        device = self.generator.device
-        seen = torch.from_numpy(observations).to(device).repeat(states, 1).expand(seeds, -1, -1)
-        state = torch.arange(states, device=device).repeat_interleave(n).expand(seeds, -1)
-        return self.method.reward(seen, state).view(seeds, states, n)
+        seen = torch.from_numpy(observations).to(self.generator.device)
+        return rewards_of(self.method, seen, self.settings.seeds, self.walk.states)
 
     def state(self) -> State:
         """Everything else that learning goes on from."""

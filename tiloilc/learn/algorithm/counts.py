@@ -6,8 +6,11 @@ import torch
 from torch import Tensor
 
 from tiloilc.learn.algorithm.unions import stage_unions
+from tiloilc.learn.engine.cells import Cells
+from tiloilc.learn.engine.ring import Ring
+from tiloilc.learn.engine.state import State
 from tiloilc.plan import Stages
-from tiloilc.product import Int
+from tiloilc.product import Floats
 from tiloilc.spec.settings import Settings
 
 SMOOTHING = 0.5
@@ -17,19 +20,36 @@ SMOOTHING = 0.5
 class CountDiscriminators:
     """f_b in closed form: on a table the best logit is the log-ratio of the two frequencies.
 
-    `counts` [seed, buffer, observation] holds how often each state is in each stage buffer.
+    `counts` [seed, buffer, cell] holds how often each state is in each stage buffer, `values`
+    [seed, stage, cell] are tanh f. `demonstrations` [k, d] are states that got somewhere.
     """
 
-    def __init__(self, stages: Stages, cells: int, shown: Int, settings: Settings) -> None:
-        self.settings = settings
+    def __init__(
+        self, stages: Stages, cells: Cells, demonstrations: Tensor, settings: Settings
+    ) -> None:
+        self.settings, self.cells = settings, cells
         self.positive, self.negative = stage_unions(stages, settings.stages)
-        self.counts = torch.zeros(
-            settings.seeds, stages.sink_buffer + 1, cells, dtype=torch.float64
-        )
-        self.demonstrations = torch.bincount(torch.from_numpy(shown), minlength=cells).double()
-        self.values = torch.zeros(settings.seeds, len(self.positive), cells)
+        self.told = self.positive.any(1)
+        self.stages = int(self.told.sum())
+        buffers, count = stages.sink_buffer + 1, cells.count
+        self.counts = torch.zeros(settings.seeds, buffers, count, dtype=torch.float64)
+        self.demonstrations = torch.bincount(cells(demonstrations), minlength=count).double()
+        self.values = torch.zeros(settings.seeds, len(self.positive), count)
+        self.seed = torch.arange(settings.seeds)[:, None]
 
-    def refresh(self) -> None:
+    def see(self, after: Floats) -> None:
+        """Counts need no scale."""
+
+    def add(self, seed: int, buffer: int, observations: Floats) -> None:
+        """Count a segment's states [m, d]."""
+        cells = self.cells(torch.from_numpy(observations))
+        self.counts[seed, buffer] += torch.bincount(cells, minlength=self.cells.count)
+
+    def draw(self) -> State:
+        """Nothing is random."""
+        return {}
+
+    def learn(self, chance: State) -> dict[str, Tensor]:
         """Bring tanh f up to date with the counts, for every stage and cell."""
         own = torch.einsum("kb,sbc->skc", self.positive.double(), self.counts)
         negative = torch.einsum("kb,sbc->skc", self.negative.double(), self.counts)
@@ -37,14 +57,35 @@ class CountDiscriminators:
         scale = positive.sum(-1, keepdim=True).clamp(min=1)
         other = negative.sum(-1, keepdim=True)
         ratio = (positive + SMOOTHING) / (negative * scale / other.clamp(min=1) + SMOOTHING)
-        known = (positive.sum(-1, keepdim=True) > 0) & (other > 0)
-        known &= self.positive.any(1)[:, None]
+        known = (positive.sum(-1, keepdim=True) > 0) & (other > 0) & self.told[:, None]
         self.values = torch.where(known, torch.tanh(ratio.log()), 0.0).float()
+        return {}
 
-    def bonus(self, seed: Tensor, cell: Tensor, state: Tensor) -> Tensor:
-        """tanh f_b(s) for seeds, cells and automaton states of one shape, or broadcast to it."""
+    def bonus(self, observation: Tensor, state: Tensor) -> Tensor:
+        """tanh f_b(s) for s [seed, n, d] and b [seed, n]; 0 where b has no f."""
         stage = state if self.settings.stages else torch.zeros_like(state)
-        return self.values[seed, stage, cell]
+        return self.values[self.seed, stage, self.cells(observation)]
+
+    def rings(self) -> dict[str, Ring]:
+        """None: counts are kept instead of rows."""
+        return {}
+
+    def policy(self) -> State:
+        """What f needs; the first axis counts seeds."""
+        return {"values": self.values}
+
+    def load_policy(self, state: State) -> None:
+        """Take what `policy` gave."""
+        self.values.copy_(state["values"])
+
+    def state(self) -> State:
+        """Everything."""
+        return {"counts": self.counts, **self.policy()}
+
+    def load(self, state: State) -> None:
+        """Take what `state` gave."""
+        self.counts.copy_(state["counts"])
+        self.load_policy(state)
 
 
 def _mix(own: Tensor, shown: Tensor, share: float) -> Tensor:

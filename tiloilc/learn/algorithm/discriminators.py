@@ -9,7 +9,7 @@ from torch.nn.functional import softplus
 from tiloilc.learn.algorithm.unions import stage_unions
 from tiloilc.learn.engine.networks import Adam, StackedMLP, Tape
 from tiloilc.learn.engine.ring import Ring
-from tiloilc.learn.engine.state import State
+from tiloilc.learn.engine.state import State, under, with_prefix
 from tiloilc.plan import Stages
 from tiloilc.product import Floats
 from tiloilc.spec.settings import Settings
@@ -137,6 +137,18 @@ class Discriminators:
         self.demonstrations = demonstrations
         self.trained = torch.zeros(seeds, self.stages, dtype=torch.bool, device=device)
 
+    def see(self, after: Floats) -> None:
+        """Normalise by all states so far; these are [seed, copy, d]."""
+        self.norm.update(torch.from_numpy(after).to(self.norm.mean.device))
+
+    def add(self, seed: int, buffer: int, observations: Floats) -> None:
+        """Store a segment's states [m, d]."""
+        self.buffers.add(seed, buffer, observations)
+
+    def learn(self, chance: State) -> dict[str, Tensor]:
+        """One update; its loss for each seed."""
+        return {"discriminator": self.update(chance)}
+
     def logits(self, x: Tensor) -> Tensor:
         """f_b(s) of every stage b for normalised states [seed, stage, n, d]: [seed, stage, n]."""
         return self._forward(x)[0]
@@ -217,13 +229,19 @@ class Discriminators:
         self.norm.square.copy_(state["norm.square"])
         self.trained.copy_(state["trained"])
 
+    def rings(self) -> dict[str, Ring]:
+        """The stage buffers' states."""
+        return {"stages": self.buffers.ring()}
+
     def state(self) -> State:
-        """Everything but the stage buffers."""
+        """Everything but the stage buffers' states."""
         count = {"norm.count": self.norm.count}
-        return {**self.policy(), **self.adam.state("adam"), **count}
+        filled = with_prefix("stages", self.buffers.state())
+        return {**self.policy(), **self.adam.state("adam"), **count, **filled}
 
     def load(self, state: State) -> None:
         """Take what `state` gave."""
         self.load_policy(state)
         self.adam.load(state, "adam")
         self.norm.count.copy_(state["norm.count"])
+        self.buffers.load(under("stages", state))

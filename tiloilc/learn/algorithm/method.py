@@ -1,4 +1,4 @@
-"""What an algorithm adds to soft actor-critic: how steps become targets, and what else is learned.
+"""What an algorithm adds to soft Q-learning, in networks or tables: what steps are worth.
 
 An algorithm is a class with these methods, made from a `Setup`. Distributions register theirs by an
 entry point of the group `tiloilc.algorithms`, whose name is what `train.algorithm` says.
@@ -14,6 +14,7 @@ import torch
 from torch import Generator, Tensor
 
 from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.learn.engine.cells import Cells
 from tiloilc.learn.engine.replay import Batch
 from tiloilc.learn.engine.ring import Ring
 from tiloilc.learn.engine.state import State
@@ -28,7 +29,8 @@ class Setup:
 
     `demonstrations` [rows, d] are states of demonstrations that got somewhere, `capacity` is how
     many transitions of each seed are kept. All that is random comes from `generator`, and what
-    is learned lies on its device.
+    is learned lies on its device. `cells` numbers the observations of a finite task that is learned
+    in a table.
     """
 
     settings: Settings
@@ -37,6 +39,7 @@ class Setup:
     demonstrations: Tensor
     capacity: int
     generator: Generator
+    cells: Cells | None = None
 
     @property
     def dimensions(self) -> int:
@@ -48,7 +51,8 @@ class Method(Protocol):
     """What the backbone asks of an algorithm, for all seeds at once.
 
     While steps are collected, arrays are [seed, copy, …]; in an update, tensors are [seed, n, …].
-    An update asks `draw`, `learn`, `target`, in this order.
+    An update asks `draw`, `learn`, `target`, in this order; on tables `draw` and `learn` are asked
+    when episodes have ended only.
     """
 
     def see(self, after: Floats) -> None:
@@ -61,13 +65,19 @@ class Method(Protocol):
         """What the next `learn` needs of chance."""
 
     def learn(self, chance: State) -> dict[str, Tensor]:
-        """One update of what is learned besides SAC; losses [seed] by name."""
+        """One update of what is learned besides Q and policy; losses [seed] by name."""
 
     def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
         """What Q of each transition should be, [seed, n].
 
         `value` [seed, n, K] is V(s', b') of each of the `options` b' that there are on arrival:
         E[min Q − α log π] over today's policy.
+        """
+
+    def least(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor | None:
+        """What `target` is at least, whatever is learned, where V(s', b') is `value` at least.
+
+        By it demonstrations bound values on tables; None: they do not.
         """
 
     def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
@@ -99,7 +109,7 @@ class Method(Protocol):
 
 
 class Plain:
-    """A method that learns nothing besides SAC; `target` is left to say."""
+    """A method that learns nothing besides Q and policy; `target` is left to say."""
 
     def __init__(self, setup: Setup) -> None:
         self.settings, self.walk = setup.settings, setup.walk
@@ -117,6 +127,10 @@ class Plain:
     def learn(self, chance: State) -> dict[str, Tensor]:
         """Nothing is learned."""
         return {}
+
+    def least(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor | None:
+        """Nothing is known."""
+        return None
 
     def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
         """V(s', b')."""
@@ -147,6 +161,14 @@ class Plain:
 
     def load(self, state: State) -> None:
         """Nothing is kept."""
+
+
+def rewards_of(method: Method, observations: Tensor, seeds: int, states: int) -> Tensor:
+    """What `method` pays for s [n, d] in each automaton state b: [seed, b, n]."""
+    n, device = len(observations), observations.device
+    seen = observations.repeat(states, 1).expand(seeds, -1, -1)
+    state = torch.arange(states, device=device).repeat_interleave(n).expand(seeds, -1)
+    return method.reward(seen, state).view(seeds, states, n)
 
 
 def make_method(setup: Setup) -> Method:

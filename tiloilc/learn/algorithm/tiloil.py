@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from tiloilc.learn.algorithm.counts import CountDiscriminators
 from tiloilc.learn.algorithm.discriminators import Discriminators, StageBuffers
 from tiloilc.learn.algorithm.method import Setup
 from tiloilc.learn.engine.replay import Batch
@@ -21,26 +22,19 @@ class TiLoIL:
     """Lines 13 to 23 of Algorithm 1: stage buffers, their discriminators, Eq. 8 and Eq. 4."""
 
     def __init__(self, setup: Setup) -> None:
-        s, stages = setup.settings, setup.stages
+        s = setup.settings
         self.settings, self.walk = s, setup.walk
-        self.device = setup.generator.device
-        self.table = StageTable.of(stages, setup.walk, s).to(self.device)
-        capacity = min(s.stage_buffer_size, setup.capacity)
-        self.buffers = StageBuffers(
-            s.seeds, stages.sink_buffer + 1, capacity, setup.dimensions, self.device
-        )
-        self.discriminators = Discriminators(
-            stages, self.buffers, setup.demonstrations, s, setup.generator
-        )
+        self.table = StageTable.of(setup.stages, setup.walk, s).to(setup.generator.device)
+        self.discriminators = _discriminators(setup)
         self.judges = (s.beta > 0 or not s.stages) and self.discriminators.stages > 0
 
     def see(self, after: Floats) -> None:
         """Normalise by all states so far."""
-        self.discriminators.norm.update(torch.from_numpy(after).to(self.device))
+        self.discriminators.see(after)
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
         """Store a segment in its stage buffer (lines 9 to 14)."""
-        self.buffers.add(seed, buffer, observations)
+        self.discriminators.add(seed, buffer, observations)
 
     def draw(self) -> State:
         """Which states the discriminators compare."""
@@ -48,12 +42,23 @@ class TiLoIL:
 
     def learn(self, chance: State) -> dict[str, Tensor]:
         """A step of all discriminators (lines 15 to 19)."""
-        return {"discriminator": self.discriminators.update(chance)} if self.judges else {}
+        return self.discriminators.learn(chance) if self.judges else {}
 
     def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
         """Eq. 4 with the rewards of today's discriminators."""
         reward = self.reward(batch.observation, batch.state)
         wait = self._wait(batch.next_observation, options)
+        return tiloil_target(
+            self.table, batch.state, reward, options, value, batch.terminal, self.settings, wait
+        )
+
+    def least(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
+        """Eq. 4 with the least reward that any discriminators could give."""
+        never = torch.tensor(-1.0)
+        reward = stage_reward(self.table, batch.state, never, self.settings)
+        wait = None
+        if self.walk.costly:
+            wait = stage_reward(self.table, options[..., 0], never, self.settings)
         return tiloil_target(
             self.table, batch.state, reward, options, value, batch.terminal, self.settings, wait
         )
@@ -89,19 +94,25 @@ class TiLoIL:
 
     def rings(self) -> dict[str, Ring]:
         """The stage buffers' states."""
-        return {"stages": self.buffers.ring()}
+        return self.discriminators.rings()
 
     def state(self) -> State:
         """The discriminators, and how full the buffers are."""
-        return {
-            **with_prefix("discriminators", self.discriminators.state()),
-            **with_prefix("stages", self.buffers.state()),
-        }
+        return with_prefix("discriminators", self.discriminators.state())
 
     def load(self, state: State) -> None:
         """Take what `state` gave."""
         self.discriminators.load(under("discriminators", state))
-        self.buffers.load(under("stages", state))
+
+
+def _discriminators(setup: Setup) -> Discriminators | CountDiscriminators:
+    s, stages, shown = setup.settings, setup.stages, setup.demonstrations
+    if setup.cells is not None:
+        return CountDiscriminators(stages, setup.cells, shown, s)
+    capacity = min(s.stage_buffer_size, setup.capacity)
+    shape = (s.seeds, stages.sink_buffer + 1, capacity, setup.dimensions)
+    buffers = StageBuffers(*shape, setup.generator.device)
+    return Discriminators(stages, buffers, shown, s, setup.generator)
 
 
 @dataclass(frozen=True)

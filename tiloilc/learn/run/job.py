@@ -19,7 +19,6 @@ from tiloilc.learn.engine.program import Say
 from tiloilc.learn.run.loop import Loop
 from tiloilc.plan import Plan
 from tiloilc.product import Copies, Floats, Int, Segmenter, Walk, walk_tables
-from tiloilc.spec.settings import ALGORITHMS
 
 Labels = Callable[[Floats], Int]
 
@@ -53,7 +52,7 @@ def make_agent(
     """A fresh learner: tabular on finite environments, SAC on others, or as the plan says.
 
     Raises CompileError JOB608 for spaces that the backbone cannot take, JOB610 for an algorithm
-    that cannot be had, or not on tables, RUN709 if there is too little memory, RUN710 if the device
+    that cannot be had, RUN709 if there is too little memory, RUN710 if the device
     is not there.
     """
     settings, stages = plan.train, plan.stages
@@ -61,9 +60,6 @@ def make_agent(
     backbone = settings.backbone
     if backbone == "auto":
         backbone = "tabular" if copies.finite else "sac"
-    if backbone == "tabular" and settings.algorithm not in ALGORITHMS:
-        problem = "it learns on continuous tasks, not on tables"
-        raise CompileError(Diagnostic.of("JOB610", name=settings.algorithm, problem=problem))
     if backbone == "tabular" and copies.finite and isinstance(actions, spaces.Discrete):
         generator = torch.Generator().manual_seed(settings.first_seed)
         return TabularAgent(settings, stages, walk, seen, actions, shown, generator)
