@@ -1,6 +1,7 @@
 """Tabular TiLoIL against exact solutions of Eq. 4 on small products."""
 
 from collections.abc import Sequence
+from importlib.metadata import EntryPoint
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,9 @@ from tests.learn.exact import GAMMA, MOST, RING, RISKY, SIZE, STAY, exact, label
 from tests.learn.examples import demos, generator, nothing_shown, settings
 from tiloilc.learn import make_loop
 from tiloilc.learn.agent.tabular import TabularAgent
+from tiloilc.learn.algorithm import Plain
 from tiloilc.learn.algorithm.tiloil import StageTable, stage_reward
+from tiloilc.learn.engine.replay import Batch
 from tiloilc.plan import stage_plan
 from tiloilc.product import walk_tables
 
@@ -87,6 +90,24 @@ def test_values_on_demonstrated_paths_are_never_below_the_floor() -> None:
 def test_without_demo_replay_there_is_no_floor() -> None:
     agent = make_loop(task(RING), demos([3, 4, 3, 2, 1, 0]), labels_of(RING)).agent
     assert (agent.floor == -np.inf).all()
+
+
+class Arrivals(Plain):
+    """Pays 1 for each arrival in acceptance."""
+
+    def target(self, batch: Batch, options: torch.Tensor, value: torch.Tensor) -> torch.Tensor:
+        paid = torch.from_numpy(self.walk.accepting)[options].float()
+        return (paid + self.settings.gamma * value).amax(-1)
+
+
+def test_an_algorithm_of_ones_own_learns_on_tables(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A round of the ring is four steps to the right and four to the left, paid with the last."""
+    entry = EntryPoint("arrivals", f"{__name__}:Arrivals", "tiloilc.algorithms")
+    monkeypatch.setattr("tiloilc.learn.algorithm.method._registered", lambda name: entry)
+    monkeypatch.setattr(EntryPoint, "load", lambda self: Arrivals)
+    found = swept(task(RING, algorithm="arrivals")).q[0]
+    assert found[0, 2].max().item() == pytest.approx(GAMMA**7 / (1 - GAMMA**8))
+    assert found[2, 0].max().item() == pytest.approx(GAMMA**5 / (1 - GAMMA**8))
 
 
 # what the agent does
