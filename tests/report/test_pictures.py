@@ -28,6 +28,8 @@ from tiloilc.report.pictures.film import MOST_FRAMES, Film, gif_of, pictures, sh
 from tiloilc.report.pictures.place import Episode, on_map, shows_map, view_in
 from tiloilc.report.scene import Map, map_of
 from tiloilc.report.states import states_of
+from tiloilc.tasks.flatworld import FlatWorldEnv
+from tiloilc.tasks.scene import rasterise
 
 SVG = "{http://www.w3.org/2000/svg}"
 RED, BLUE = Look("#ff0000"), Look("#0000ff")
@@ -181,17 +183,19 @@ def test_a_film_has_a_picture_a_step_and_they_all_differ(cycle: Shown) -> None:
 def test_frames_of_the_environment_are_in_the_film_with_the_way_over_them(cycle: Shown) -> None:
     assert cycle.drawn is not None
     assert cycle.episode is not None
-    grey = np.full((100, 100, 3), 90, np.uint8)
-    assert shows_map(grey, cycle.drawn)
-    frames = dict.fromkeys(range(len(cycle.episode.states)), grey)
+    scene = FlatWorldEnv().scene()
+    frame = rasterise(scene, (0.0, 0.0))
+    assert shows_map(frame, cycle.drawn)
+    frames = dict.fromkeys(range(len(cycle.episode.states)), frame)
     *_, last = pictures(film(cycle, frames))
     colors = {tuple(c) for c in last.reshape(-1, 3).tolist()}
-    assert (90, 90, 90) in colors
+    assert tuple(frame[0, 0].tolist()) in colors
     assert (0x95, 0x66, 0xB0) in colors, "the way, where stage 1 was"
-    other = dict.fromkeys(frames, np.full((100, 160, 3), 90, np.uint8))
-    *_, last = pictures(film(cycle, other))
-    where = last[70:300]
-    assert (where == 90).all(axis=2).mean() > 0.9, "a camera's picture is no map to draw on"
+    for wide in (100, 160):
+        camera = np.full((100, wide, 3), 90, np.uint8)
+        assert not shows_map(camera, cycle.drawn)
+        *_, last = pictures(film(cycle, dict.fromkeys(frames, camera)))
+        assert (last[70:300, 20:400] == 90).all(axis=2).mean() > 0.9, "no map to draw on"
 
 
 def test_long_episodes_are_shown_in_steps() -> None:

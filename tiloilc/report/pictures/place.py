@@ -28,6 +28,7 @@ from tiloilc.report.pictures.canvas import (
     Text,
 )
 from tiloilc.report.scene import Map, apart
+from tiloilc.report.scene import Shape as Zone
 from tiloilc.report.states import SINK, State
 
 ROUGH = 150
@@ -163,10 +164,34 @@ def photo_in(pixels: Pixels, room: Box) -> Photo:
 
 
 def shows_map(pixels: Pixels, drawn: Map) -> bool:
-    """Whether a frame shows the map itself, as the frames of flat worlds do: by its shape."""
+    """Whether a frame shows the map itself, as the frames of flat worlds do.
+
+    It has the map's proportions, and the zones' colours where the zones are.
+    """
     x_min, y_min, x_max, y_max = drawn.bounds
     height, width = pixels.shape[:2]
-    return bool(abs(width - height * (x_max - x_min) / (y_max - y_min)) <= 1)
+    if abs(width - height * (x_max - x_min) / (y_max - y_min)) > 1:
+        return False
+    row, column = np.mgrid[0 : height : max(1, height // 50), 0 : width : max(1, width // 50)]
+    x = x_min + (column + 0.5) / width * (x_max - x_min)
+    y = y_max - (row + 0.5) / height * (y_max - y_min)
+    expected = np.full((*x.shape, 3), -1)
+    for shape in drawn.shapes:
+        expected[covered(shape, x, y)] = [int(shape.color[i : i + 2], 16) for i in (1, 3, 5)]
+    known = expected[..., 0] >= 0
+    near = np.abs(expected - pixels[row, column]).max(axis=-1) < 12
+    return bool(known.any() and near[known].mean() > 0.7)  # the agent lies over some of it
+
+
+def covered(
+    zone: Zone, x: npt.NDArray[np.floating], y: npt.NDArray[np.floating]
+) -> npt.NDArray[np.bool_]:
+    """Which of the places (x, y) lie in a zone of the map."""
+    away = np.hypot(x - zone.low[0], y - zone.low[1])
+    if zone.radius:
+        return np.asarray((away < zone.radius) & (away >= zone.inner))
+    inside = (x >= zone.low[0]) & (x < zone.high[0])
+    return np.asarray(inside & (y >= zone.low[1]) & (y < zone.high[1]))
 
 
 def stretches(run: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
