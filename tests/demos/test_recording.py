@@ -32,7 +32,6 @@ from tiloilc.demos import (
     replay,
     save,
 )
-from tiloilc.demos.__main__ import main
 from tiloilc.diag import CompileError
 from tiloilc.spec.model import Demonstrations, Environment
 
@@ -279,25 +278,3 @@ def test_a_task_file_without_demonstrations_has_none(workdir: Path) -> None:
         Demonstrations(), FLATWORLD, FLAT, CYCLE, name="flatworld_cycle", folder=workdir
     )
     assert len(none) == 0
-
-
-def test_the_command_makes_the_bundled_demonstrations_again(
-    workdir: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    names = ["flatworld_cycle", "flatworld_disjunction", "grid_circular_medium"]
-    assert main(["-o", "made", *names]) == 0
-    for name in names:
-        ours = bundled(name)
-        assert ours is not None
-        save("ours.npz", ours)
-        assert Path(f"made/{name}.npz").read_bytes() == Path("ours.npz").read_bytes()
-    output = capsys.readouterr()
-    assert output.out == ""
-    assert len(output.err.splitlines()) == 3
-
-
-def test_the_command_reports_a_task_file_that_is_not_there(
-    workdir: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["nowhere"]) == 1
-    assert capsys.readouterr().err.startswith("error[SPEC105]: cannot read `nowhere`")
