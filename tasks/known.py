@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,14 +45,14 @@ def known_best(env: object, horizon: int) -> tuple[Known, ...]:
 
 
 def played(
-    env: gymnasium.Env[Observation, Any], expert: Expert, horizon: int, seeds: Sequence[int]
-) -> npt.NDArray[np.generic]:
-    """What is seen while an expert acts for `horizon` steps from each start, [m, T+1, d].
+    env: gymnasium.Env[Observation, Any], expert: Expert, horizon: int, starts: int, how: str
+) -> Known:
+    """What is seen while an expert acts for `horizon` steps, from the starts of seeds 0, 1, …
 
     The expert must not be done before that.
     """
     episodes = []
-    for seed in seeds:
+    for seed in range(starts):
         generator = np.random.default_rng(seed)
         observation, _ = env.reset(seed=seed)
         progress = expert.begin(observation, generator)
@@ -63,4 +62,4 @@ def played(
             assert not progress.done, "the expert stops before the horizon"
             seen.append(env.step(action)[0])
         episodes.append(seen)
-    return np.array(episodes)
+    return Known(np.array(episodes), how)

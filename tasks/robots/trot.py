@@ -75,9 +75,9 @@ class Trot:
         return np.asarray(np.clip(torque.reshape(-1), -1.0, 1.0), np.float64)
 
 
-def shipped_trot(name: str = "trot") -> Trot:
-    """The gait in `assets/trot.json`, or the faster one in `sprint.json`, which turns badly."""
-    text = (files("tiloilc.tasks.robots") / "assets" / f"{name}.json").read_text("utf-8")
+def shipped_trot() -> Trot:
+    """The gait in `assets/trot.json`."""
+    text = (files("tiloilc.tasks.robots") / "assets" / "trot.json").read_text("utf-8")
     found = json.loads(text)
     return Trot(float(found["frequency"]), tuple(Swing(**found["swings"][name]) for name in SWINGS))
 

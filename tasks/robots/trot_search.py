@@ -59,7 +59,7 @@ class Round:
     mean: float
 
 
-def search(rounds: int, seed: int, courses: Sequence[Course]) -> Iterator[Round]:
+def search(rounds: int, seed: int) -> Iterator[Round]:
     """The rounds of the search, one after the other; all candidates of a round start alike."""
     generator = np.random.default_rng(seed)
     env = DoggoAvoidEnv()
@@ -67,32 +67,28 @@ def search(rounds: int, seed: int, courses: Sequence[Course]) -> Iterator[Round]
     for number in range(1, rounds + 1):
         drawn = mean + spread * generator.standard_normal((CANDIDATES, len(MEAN)))
         drawn[:, 0] = np.clip(drawn[:, 0], *FREQUENCY)
-        worths = np.array([worth(env, Trot.of(row), number, courses) for row in drawn])
+        worths = np.array([worth(env, Trot.of(row), number) for row in drawn])
         best = np.argsort(-worths, kind="stable")[:BEST]
         mean = KEPT * mean + (1 - KEPT) * drawn[best].mean(axis=0)
         spread = KEPT * spread + (1 - KEPT) * drawn[best].std(axis=0) + 0.01
         yield Round(number, Trot.of(drawn[best[0]]), worths[best[0]], worths[best].mean())
 
 
-def finalist(winners: Sequence[Trot], courses: Sequence[Course]) -> tuple[Trot, float]:
+def finalist(winners: Sequence[Trot]) -> tuple[Trot, float]:
     """The winner of a round that is worth most on the average of other starts, and how much."""
     env = DoggoAvoidEnv()
-    worths = [
-        float(np.mean([worth(env, trot, seed, courses) for seed in STARTS])) for trot in winners
-    ]
+    worths = [float(np.mean([worth(env, trot, seed) for seed in STARTS])) for trot in winners]
     best = int(np.argmax(worths))
     return winners[best], worths[best]
 
 
-def worth(
-    env: DoggoEnv, trot: Trot, seed: int, courses: Sequence[Course] = (STRAIGHT, CORNERS)
-) -> float:
-    """Metres along the way that a gait comes in all courses together, less twice the worst lean.
+def worth(env: DoggoEnv, trot: Trot, seed: int) -> float:
+    """Metres along the way that a gait comes in both courses together, less twice the worst lean.
 
     The lean is 1 less the cosine of the angle between the trunk's vertical and the world's.
     """
     value = 0.0
-    for course in courses:
+    for course in (STRAIGHT, CORNERS):
         expert = replace(env.walker("course", trot, *course), noise=0.0)
         generator = np.random.default_rng(seed)
         observation, _ = env.reset(seed=seed)
@@ -124,14 +120,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--rounds", type=int, default=24)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--straight", action="store_true", help="no corners: faster, turns badly")
     chosen = parser.parse_args(arguments)
-    courses = (STRAIGHT,) if chosen.straight else (STRAIGHT, CORNERS)
     winners = []
-    for found in search(chosen.rounds, chosen.seed, courses):
+    for found in search(chosen.rounds, chosen.seed):
         sys.stderr.write(f"round {found.number}: {found.worth:.2f}, best {BEST} {found.mean:.2f}\n")
         winners.append(found.trot)
-    trot, value = finalist(winners, courses)
+    trot, value = finalist(winners)
     sys.stderr.write(f"{chosen.out}: {value:.2f} on the average of {len(STARTS)} starts\n")
     chosen.out.write_text(written(trot, rounds=chosen.rounds, seed=chosen.seed), "utf-8")
     return 0

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from tiloilc.tasks.experts import Expert
-from tiloilc.tasks.known import Known
+from tiloilc.tasks.known import Known, played
 from tiloilc.tasks.robots.base import Doubles, Field
 from tiloilc.tasks.robots.fetch.arm import (
     FINGERS,
@@ -25,7 +25,6 @@ from tiloilc.tasks.robots.fetch.arm import (
     build,
     euler,
     paint,
-    played,
     rgba,
 )
 from tiloilc.tasks.robots.fetch.experts import Aligner

@@ -17,8 +17,6 @@ import mujoco
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
 
-from tiloilc.tasks.experts import Expert
-from tiloilc.tasks.known import Known
 from tiloilc.tasks.robots.base import Doubles, Field, RobotEnv
 from tiloilc.tasks.robots.camera import View
 
@@ -195,20 +193,6 @@ class FetchEnv(RobotEnv):
         mujoco.mj_jacSite(self.model, self.data, self._jacobian, turn, site)
         velocity = self.data.qvel * self.step_seconds
         return self._jacobian @ velocity, turn @ velocity
-
-
-def played(env: FetchEnv, expert: Expert, horizon: int, starts: int, how: str) -> Known:
-    """Episodes of an expert from the starts of the seeds 0, 1, …"""
-    generator = np.random.default_rng(0)
-    episodes = []
-    for seed in range(starts):
-        seen = [env.reset(seed=seed)[0]]
-        progress = expert.begin(seen[0], generator)
-        for _ in range(horizon):
-            action, progress = expert.act(seen[-1], progress, generator)
-            seen.append(env.step(action)[0])
-        episodes.append(np.array(seen))
-    return Known(np.array(episodes), how)
 
 
 def euler(matrix: Doubles) -> Doubles:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tiloilc.tasks.experts import Expert
-from tiloilc.tasks.known import Known
+from tiloilc.tasks.known import Known, played
 from tiloilc.tasks.robots.base import Doubles, Field
 from tiloilc.tasks.robots.fetch.arm import (
     FINGERS,
@@ -21,7 +21,6 @@ from tiloilc.tasks.robots.fetch.arm import (
     FetchEnv,
     build,
     paint,
-    played,
 )
 from tiloilc.tasks.robots.fetch.experts import Reacher
 from tiloilc.tasks.scene import Rectangle, Scene

@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 
 from tiloilc.tasks.experts import Expert
-from tiloilc.tasks.known import Known
+from tiloilc.tasks.known import Known, played
 from tiloilc.tasks.robots.base import Doubles, Field
-from tiloilc.tasks.robots.fetch.arm import STARTS, TABLE, TOP, Arm, build, played, rgba
+from tiloilc.tasks.robots.fetch.arm import STARTS, TABLE, TOP, Arm, build, rgba
 from tiloilc.tasks.robots.fetch.block import GOAL_COLOR, NEAR, WIDE, BlockEnv, plain_block
 from tiloilc.tasks.robots.fetch.experts import Presser
 from tiloilc.tasks.scene import Circle, Rectangle, Scene

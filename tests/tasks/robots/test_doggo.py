@@ -203,6 +203,13 @@ def test_the_expert_is_accepted_in_nine_of_ten_episodes(
     assert sum(reached) >= 45
 
 
+def test_the_best_that_is_known_starts_anew_and_goes_on_to_the_horizon() -> None:
+    (known,) = DoggoAvoidEnv().known_best(3)
+    assert known.observations.shape == (8, 4, 66)
+    again = acted(DoggoAvoidEnv(), steady(DoggoAvoidEnv()), 3, seed=7)
+    np.testing.assert_array_equal(known.observations[7], again)
+
+
 @every_task
 def test_the_demonstrations_are_accepted(name: str, world: type[DoggoEnv], root: Path) -> None:
     assert world.__name__
