@@ -15,7 +15,7 @@ RIVALS := $(VENV)/.rivals
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) -ra --durations=10
 
 .DELETE_ON_ERROR:
-.PHONY: help setup run records results sheet bench test quick check format constraints clean
+.PHONY: help setup run records results sheet experts bench test quick check format constraints clean
 
 help:  ## list the commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' Makefile
@@ -44,6 +44,9 @@ results: $(STAMP)  ## write docs/results.md and docs/pendulum.md from the record
 
 sheet: $(STAMP)  ## draw every task of specs/ with a demonstration: docs/tasks.png
 	$(BIN)/tiloilc viz --env specs/*.yaml -o docs/tasks.png
+
+experts: $(STAMP)  ## play every task of specs/ with its expert: docs/tasks.md
+	$(BIN)/python -m tiloilc.bench.experts docs/tasks.md
 
 bench: $(RIVALS)  ## measure everything beside others; docs/benchmarks.md, docs/automaton_sizes.md
 	$(BIN)/tiloilc bench -o docs

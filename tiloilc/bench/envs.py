@@ -10,6 +10,8 @@ COPIES = 64
 TASKS = {
     "FlatWorld": Work("flatworld_cycle", copies=COPIES),
     "GridCircular": Work("grid_circular_hard", copies=COPIES),
+    "Carlo": Work("carlo", copies=COPIES),
+    "SixteenRooms": Work("sixteen_rooms", copies=COPIES),
 }
 
 

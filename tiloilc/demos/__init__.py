@@ -3,7 +3,7 @@
 from tiloilc.demos.checks import check_replays, check_shape, is_needed
 from tiloilc.demos.files import load, save
 from tiloilc.demos.model import Demo, DemoSet
-from tiloilc.demos.recording import expert_names, record
+from tiloilc.demos.recording import expert_names, play, record
 from tiloilc.demos.replay import Labels, Replay, best_run, replay, replay_all
 from tiloilc.demos.sources import as_wanted, bundled, demonstrations_for, record_best
 
@@ -21,6 +21,7 @@ __all__ = [
     "expert_names",
     "is_needed",
     "load",
+    "play",
     "record",
     "record_best",
     "replay",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
@@ -87,6 +87,28 @@ def record(
     if laps is not None:
         meta["laps"] = laps
     return DemoSet(tuple(episodes), meta)
+
+
+def play(
+    environment: str,
+    kwargs: Mapping[str, Any] | None = None,
+    *,
+    horizon: int,
+    expert: str,
+    seeds: Sequence[int],
+    noise: float | None = None,
+) -> tuple[Demo, ...]:
+    """What an expert does in the episodes of these seeds, whatever it comes to.
+
+    For what else is given, and what is raised, see `record`.
+    """
+    env = _make(environment, kwargs or {})
+    chosen = _choose(env, environment, expert, None)
+    if noise is not None:
+        chosen = _changed(chosen, "noise", noise)
+    episodes = tuple(_episode(env, chosen, horizon, seed)[0] for seed in seeds)
+    env.close()
+    return episodes
 
 
 def expert_names(environment: str, kwargs: Mapping[str, Any] | None = None) -> tuple[str, ...]:
