@@ -1,3 +1,4 @@
+import subprocess
 import sys
 import warnings
 from pathlib import Path
@@ -137,6 +138,18 @@ def test_a_robot_without_its_package_says_what_to_install(
     assert finding.code == "JOB600"
     assert finding.message.endswith("gymnasium-robotics is not installed")
     assert finding.help == "pip install 'tiloilc[mujoco]'"
+
+
+def test_without_mujoco_a_robot_says_what_to_install(tmp_path: Path) -> None:
+    task = spec(tmp_path, ("FlatWorld-v0", "FetchPlaceTray-v0"))
+    code = (
+        "import sys; sys.modules['mujoco'] = None\n"
+        "from pathlib import Path; from tiloilc.driver import lint\n"
+        "print(*((d.message, d.help) for d in lint(Path(sys.argv[1]))))"
+    )
+    done = subprocess.run([sys.executable, "-c", code, task], capture_output=True, text=True)
+    assert "mujoco is not installed" in done.stdout
+    assert "pip install 'tiloilc[mujoco]'" in done.stdout
 
 
 def test_an_environment_beside_the_task_file_publishes_fields_and_keys(tmp_path: Path) -> None:
