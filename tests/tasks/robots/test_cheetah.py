@@ -9,6 +9,7 @@ from gymnasium.utils.env_checker import check_env
 
 from tests.tasks.robots.judge import acted, rollout, shown, steady, task, visits
 from tiloilc.tasks import Circle
+from tiloilc.tasks.robots import flip_best
 from tiloilc.tasks.robots.cheetah import CheetahFlipEnv, rotations
 
 
@@ -135,6 +136,29 @@ def test_the_planner_is_a_function_of_what_it_is_given() -> None:
     expert.act(later, after, np.random.default_rng(2))
     again, _ = expert.act(observation, progress, np.random.default_rng(1))
     np.testing.assert_array_equal(action, again)
+
+
+def test_the_best_that_is_known_is_of_real_steps_and_better_than_the_expert(root: Path) -> None:
+    env, found = CheetahFlipEnv(), task(root, "cheetah_flip")
+    (known,) = env.known_best(1000)
+    (episode,) = known.observations
+    assert episode.shape == (1001, 18)
+    np.testing.assert_allclose(episode[0], env.reset(seed=0)[0], atol=1e-6)
+    turned = np.diff(rotations(episode)) * 2 * np.pi
+    before, after = episode[:-1, 11], episode[1:, 11]
+    np.testing.assert_allclose(turned, env.step_seconds * (before + after) / 2, atol=0.5)
+    assert visits(found, episode) >= 80
+    (short,) = env.known_best(100)
+    np.testing.assert_array_equal(short.observations[0], episode[:101])
+    assert env.known_best(1001) == ()
+
+
+def test_the_patient_planner_writes_what_it_does(tmp_path: Path) -> None:
+    for name in ("a.npy", "b.npy"):
+        assert flip_best.main(["-o", str(tmp_path / name), "--steps", "3"]) == 0
+    assert (tmp_path / "a.npy").read_bytes() == (tmp_path / "b.npy").read_bytes()
+    written = np.load(tmp_path / "a.npy", allow_pickle=False)
+    np.testing.assert_allclose(written[:2], flip_best.shipped_flips()[:2], atol=1e-4)
 
 
 @pytest.mark.slow
