@@ -20,7 +20,7 @@ from gymnasium.spaces import Box
 
 class {name}(gymnasium.Env):
     metadata = {{"render_modes": ["rgb_array"], "render_fps": 20}}
-    observation_space = Box(-2.0, 2.0, (2,))
+    observation_space = Box(-2.0, 2.0, (3,))
     action_space = Box(-1.0, 1.0, (2,))
 
     def __init__(self, render_mode=None):
@@ -28,11 +28,11 @@ class {name}(gymnasium.Env):
 
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
-        self.at = np.zeros(2, np.float32)
+        self.at = np.zeros(3, np.float32)
         return self.at.copy(), {{}}
 
     def step(self, action):
-        self.at = np.clip(self.at + 0.2 * np.asarray(action, np.float32), -2, 2)
+        self.at[:2] = np.clip(self.at[:2] + 0.2 * np.asarray(action), -2, 2)
         return self.at.copy(), 0.0, False, False, {{}}
 {methods}
 
@@ -192,3 +192,16 @@ def test_what_cannot_be_filmed_is_said_before_evaluating(
     status, _, err = run("eval", "run", "--video", "-o", "film.mp4")
     assert status == 1
     assert "pip install 'tiloilc[video]', or write a .gif" in err
+
+
+def test_two_numbers_are_drawn_as_a_plane_where_there_is_no_map(run: Run, workdir: Path) -> None:
+    spec = world("Plane", FAILS)
+    code = Path("plane_world.py").read_text(encoding="utf-8")
+    Path("plane_world.py").write_text(code.replace("(3,)", "(2,)").replace("zeros(3", "zeros(2"))
+    assert run("demos", "record", spec, "--expert", "go.py:go")[0] == 0
+    status, out, err = run("viz", "--env", spec)
+    assert status == 0, err
+    assert "pos[0] →" in out
+    assert "pos[1] ↑" in out
+    assert ">a</text>" in out
+    assert "polyline" in out

@@ -149,6 +149,8 @@ def test_the_car_learns_to_swing_and_to_reach_the_flag(copied: Path, tiloilc: Ru
     judged = evaluation(copied)
     assert min(judged["greedy"]["success"]) == 1
     assert np.mean(judged["greedy"]["success"]) >= np.mean(judged["cloning"]["success"])
+    tiloilc("eval", "runs/swing/0001", "--video", cwd=copied)
+    assert (copied / "runs/swing/0001/video.gif").read_bytes().startswith(b"GIF89a")
 
 
 @pytest.mark.slow

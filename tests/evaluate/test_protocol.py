@@ -57,7 +57,7 @@ def quick_cloning(monkeypatch: pytest.MonkeyPatch) -> None:
 def rollout(states: list[list[list[int]]], accepting: int, sink: int) -> Rollout:
     path = np.array(states)
     seen = np.zeros((*path.shape[:1], path.shape[2], 1), np.float32)
-    return Rollout(seen, path, path == accepting, path == sink)
+    return Rollout(seen, path, path == accepting, path == sink, np.zeros(path.shape, np.bool_))
 
 
 def test_metrics_by_hand() -> None:

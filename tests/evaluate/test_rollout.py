@@ -95,6 +95,7 @@ def test_an_episode_that_its_environment_ends_accepts_no_more() -> None:
     assert rollout.observations[0, :, 0].tolist() == [0, 1, 2, 2, 2, 2, 2]
     assert rollout.states[0, 0].tolist() == [0, 0, 1, 1, 1, 1, 1]
     assert rollout.accepting[0, 0].tolist() == [False, False, True] + [False] * 4
+    assert rollout.over[0, 0].tolist() == [False] * 3 + [True] * 4
     assert metrics_of(rollout).accepting_visits.tolist() == [1, 1]
 
 

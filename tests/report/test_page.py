@@ -237,11 +237,16 @@ def test_episodes_that_ended_early_are_drawn_up_to_their_end(tmp_path: Path) -> 
     assert "nan" not in page[page.index("<h2>Trajectories") : page.index("<h2>Settings")]
 
 
-def test_an_environment_that_is_not_installed_leaves_the_map_out(tmp_path: Path) -> None:
+def test_an_environment_that_is_not_installed_leaves_the_map_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from tiloilc.spec.model import Environment
 
     compiled = plan(environment=Environment(id="nowhere:Nothing-v0", horizon=50))
-    page = render([read_run(write_run(tmp_path / "a1", compiled=compiled))])
+    run = read_run(write_run(tmp_path / "a1", compiled=compiled))
+    assert ">pos[1]</text>" in render([run]), "two numbers are a plane without it"
+    monkeypatch.setattr("tiloilc.report.figures.plane_of", lambda *about: None)
+    page = render([run])
     assert "publishes no two-dimensional map" in page
     assert 'class="chart timeline"' in page
 

@@ -13,6 +13,7 @@ from tiloilc.evaluate.seeds import EVALUATION
 from tiloilc.report.pictures.film import Film, shown_steps
 from tiloilc.report.pictures.frames import NoFrames, frame, make
 from tiloilc.report.pictures.place import Episode
+from tiloilc.report.plane import plane_of
 from tiloilc.report.scene import cropped, map_of
 from tiloilc.report.states import states_of
 
@@ -22,11 +23,15 @@ if TYPE_CHECKING:
     from tiloilc.report.pictures.canvas import Pixels
 
 
+LOST = 12
+"""Steps that are still shown of an episode that is lost for ever."""
+
+
 def film_of(policy: Policy) -> tuple[Film, str]:
     """The first evaluation episode of `policy`, and why it has no frames; empty if it has.
 
-    Where the environment cannot show itself, its map is drawn. Raises CompileError RUN711 if it
-    has none.
+    Where the environment cannot show itself, its map is drawn, or the plane of its observations.
+    A lost episode ends soon. Raises CompileError RUN711 if there is nothing to show.
     """
     plan, root = policy.plan, Path(policy.plan.root)
     environment = plan.environment
@@ -43,10 +48,11 @@ def film_of(policy: Policy) -> tuple[Film, str]:
     problem = problem or failure
     if problem:
         frames = {}
+        drawn = drawn or plane_of(plan, root, episode.observations)
         if drawn is None:
-            problem = f"it publishes no scene(), and no frames: {problem}"
+            problem = f"it publishes no scene(), and gives no frames: {problem}"
             raise CompileError(Diagnostic.of("RUN711", subject=environment.id, problem=problem))
-        drawn = cropped(drawn, episode.observations[:, list(drawn.position)])
+        drawn = cropped(drawn, drawn.places(episode.observations))
     fps = float(env.metadata.get("render_fps") or 10)
     states = states_of(plan, len(plan.ldba.names))
     title = f"{plan.name}, seed {policy.seed}"
@@ -63,12 +69,13 @@ def _played(
     problem = ""
     policy.reset()
     observation, _ = env.reset(seed=EVALUATION)
-    seen, states, over = [], [], False
+    seen, states, over, lost = [], [], False, 0
     for step in range(horizon + 1):
         action = policy.act(observation)
         seen.append(_flat(env, observation))
         states.append(policy.state)
-        last = step == horizon or over
+        lost = lost + 1 if policy.lost else 0
+        last = step == horizon or over or lost > LOST
         if step in steps or (last and wanted):
             try:
                 frames[step] = frame(env)

@@ -89,7 +89,7 @@ def evaluate_run(
         rollout = arena.play(agent, seeds, greedy)
         judged[key] = metrics_of(rollout).to_json()
         if key == "greedy":
-            states = rollout.states[:, 0]
+            states = np.where(rollout.over[:, 0], -1, rollout.states[:, 0])
             trajectories = {"observations": rollout.observations, "states": states}
     settings = plan.train
     return {

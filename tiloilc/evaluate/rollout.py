@@ -23,12 +23,14 @@ class Rollout:
     states        int [seed, episode, T+1], automaton states
     accepting     bool [seed, episode, T+1]
     sink          bool [seed, episode, T+1]
+    over          bool [seed, episode, T+1], after an early end
     """
 
     observations: Floats
     states: Int
     accepting: NDArray[np.bool_]
     sink: NDArray[np.bool_]
+    over: NDArray[np.bool_]
 
 
 class Arena:
@@ -67,8 +69,9 @@ class Arena:
                 product.reset(by_copy.tolist(), terminated)
         path, late = diary.path()
         path = path.reshape(*self.shape, horizon + 1)
-        accepting = self.walk.accepting[path] & ~late.reshape(path.shape)
-        return Rollout(diary.observations(), path, accepting, path == self.walk.sink)
+        late = late.reshape(path.shape)
+        accepting = self.walk.accepting[path] & ~late
+        return Rollout(diary.observations(), path, accepting, path == self.walk.sink, late)
 
 
 class _Diary:

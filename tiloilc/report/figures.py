@@ -12,6 +12,7 @@ from tiloilc.report import facts
 from tiloilc.report.charts import Area, Level, Series, area_chart, line_chart
 from tiloilc.report.landscape import key, pictures
 from tiloilc.report.markup import Markup, concat, number, tag
+from tiloilc.report.plane import plane_of
 from tiloilc.report.run import Curve, Run
 from tiloilc.report.scene import map_of, panels, timeline
 from tiloilc.report.states import State, legend
@@ -116,6 +117,8 @@ def paths(run: Run, states: Sequence[State]) -> Markup | None:
     if run.plan is not None:
         drawn = map_of(run.plan.environment.id, dict(run.plan.environment.kwargs), run.root)
         width = run.trajectories.observations.shape[2]
+        seen = run.trajectories.observations[run.trajectories.states >= 0]
+        drawn = drawn or plane_of(run.plan, run.root, seen)
         if drawn is not None and not all(0 <= i < width for i in drawn.position):
             drawn = None
     taken = run.trajectories

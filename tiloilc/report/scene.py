@@ -26,7 +26,7 @@ SIZE = 220.0
 @dataclass(frozen=True)
 class Shape:
     """A named disc (`radius` > 0, at `low`), a ring between `inner` and `radius`, or a rectangle
-    from `low` to `high`.
+    from `low` to `high`. Without `edge` it is a piece of a larger one.
     """
 
     name: str
@@ -35,15 +35,24 @@ class Shape:
     high: tuple[float, float]
     radius: float = 0.0
     inner: float = 0.0
+    edge: bool = True
 
 
 @dataclass(frozen=True)
 class Map:
-    """What a two-dimensional task looks like; `position` are the observation's x and y."""
+    """What a two-dimensional task looks like; `position` are the observation's x and y, which are
+    multiplied by `stretch`. `axes` are their names, where they need some.
+    """
 
     bounds: tuple[float, float, float, float]
     shapes: tuple[Shape, ...]
     position: tuple[int, int]
+    stretch: tuple[float, float] = (1.0, 1.0)
+    axes: tuple[str, str] = ("", "")
+
+    def places(self, observations: npt.NDArray[np.floating]) -> npt.NDArray[np.float64]:
+        """Where observations [..., d] are on the map, [..., 2]."""
+        return observations[..., list(self.position)].astype(np.float64) * self.stretch
 
 
 def map_of(
@@ -81,7 +90,7 @@ def panels(
     paths: Trajectories, drawn: Map, states: Sequence[State], names: Sequence[str]
 ) -> Markup:
     """A grid of pictures: the map, and over it each seed's path in the colours of its states."""
-    drawn = cropped(drawn, paths.observations[:, :, list(drawn.position)][paths.states >= 0])
+    drawn = cropped(drawn, drawn.places(paths.observations)[paths.states >= 0])
     pictures = []
     for seed, name in enumerate(names):
         run = _lived(paths.states[seed])
@@ -90,7 +99,7 @@ def panels(
         said = f"{visits} visit{'' if visits == 1 else 's'}"
         if fell is not None:
             said += f", sink at step {fell}"
-        points = paths.observations[seed, : len(run)][:, list(drawn.position)].astype(np.float64)
+        points = drawn.places(paths.observations[seed, : len(run)])
         pictures.append(
             tag(
                 "figure",
@@ -149,6 +158,11 @@ def _picture(
     placed = np.stack([(points[:, 0] - x_min) * scale, (y_max - points[:, 1]) * scale], axis=1)
     body = [tag("rect", class_="ground", width=width, height=height)]
     body += outlines(drawn, x_min, y_max, scale)
+    if any(drawn.axes):
+        across, up = drawn.axes
+        body.append(tag("text", across, class_="zone-name", x=width / 2, y=height - 6))
+        turned = f"rotate(-90 12 {number(height / 2)})"
+        body.append(tag("text", up, class_="zone-name", x=12, y=height / 2, transform=turned))
     fell = next((t for t, b in enumerate(run) if states[b].kind == "sink"), len(run) - 1)
     lines, dots = [], []
     for start, stop in _stretches(run[: fell + 1]):
@@ -207,7 +221,8 @@ def _shape(
 ) -> tuple[Markup, tuple[float, float]]:
     """A zone's area, and the middle of its name."""
     x, y = (shape.low[0] - x_min) * scale, (y_max - shape.low[1]) * scale
-    style = {"class_": "zone", "fill": shape.color, "stroke": shape.color}
+    stroke = shape.color if shape.edge else None
+    style = {"class_": "zone", "fill": shape.color, "stroke": stroke}
     about = tag("title", shape.name) if shape.name else ""
     if shape.inner:
         rims = [_rim(x, y, shape.radius * scale), _rim(x, y, shape.inner * scale)]

@@ -37,6 +37,7 @@ def _shown(source: str, number: int, alone: bool) -> Shown:
     from tiloilc.driver import labeller
     from tiloilc.plan import importable
     from tiloilc.report.pictures.environment import Shown
+    from tiloilc.report.plane import plane_of
     from tiloilc.report.scene import map_of
     from tiloilc.report.states import states_of
 
@@ -55,10 +56,12 @@ def _shown(source: str, number: int, alone: bool) -> Shown:
         seeds = demos.meta.get("seeds")
         seed = seeds[number] if isinstance(seeds, list) and number < len(seeds) else 0
         drawn = map_of(environment.id, dict(environment.kwargs), root, seed)
+        if drawn is None and episode is not None:
+            drawn = plane_of(plan, root, episode.observations)
         demo = demos.episodes[number] if len(demos) and isinstance(seeds, list) else None
         frames, problem = _frames(plan, demo, seed, drawn, episode, alone)
     if drawn is None and not frames and alone:
-        problem = f"it publishes no scene(), and no frames: {problem}"
+        problem = f"it publishes no scene(), and gives no frames: {problem}"
         raise CompileError(Diagnostic.of("JOB611", environment=environment.id, problem=problem))
     states = states_of(plan, len(plan.ldba.names))
     return Shown(plan.name, plan.goal, about, drawn, frames, episode, states)

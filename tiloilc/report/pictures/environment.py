@@ -197,5 +197,4 @@ def _strip(shown: Shown, x: float, y: float, width: float) -> Iterator[Shape]:
 
 def _with_path(drawn: Map, episode: Episode | None) -> Map:
     """The part of the map where there is something."""
-    points = None if episode is None else episode.observations[:, list(drawn.position)]
-    return cropped(drawn, points)
+    return cropped(drawn, None if episode is None else drawn.places(episode.observations))

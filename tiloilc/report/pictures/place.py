@@ -14,6 +14,7 @@ from tiloilc.report.pictures.canvas import (
     INK,
     LINE,
     PAPER,
+    SOFT,
     Box,
     Clip,
     Disc,
@@ -93,7 +94,7 @@ def on_map(
 def zones(drawn: Map, view: View) -> Iterator[Plain]:
     """The areas of a map."""
     for shape in drawn.shapes:
-        look = Look(shape.color, shape.color, 1.0, 0.22, 0.55)
+        look = Look(shape.color, shape.color if shape.edge else "", 1.0, 0.22, 0.55)
         x, y = view.at(*shape.low)
         if shape.inner:
             yield Ring(x, y, shape.inner * view.scale, shape.radius * view.scale, look)
@@ -114,6 +115,11 @@ def names(drawn: Map, view: View, size: float = 12.0) -> Iterator[Text]:
         middles.append((x, y))
     for shape, (x, y) in zip(named, apart(middles, size), strict=True):
         yield Text(x, y + size / 3, shape.name, size, INK, "middle", True, 0.55)
+    if any(drawn.axes):
+        frame, (across, up) = view.frame, drawn.axes
+        bottom = frame.y + frame.height - 6
+        yield Text(frame.x + frame.width - 6, bottom, f"{across} →", size, SOFT, "end")
+        yield Text(frame.x + 6, frame.y + size + 4, f"{up} ↑", size, SOFT)
 
 
 def path(
@@ -122,7 +128,7 @@ def path(
     """Where an episode went, up to the sink; its start, accepting visits and the end."""
     run = episode.states
     fell = next((t for t, b in enumerate(run) if states[b].kind == "sink"), len(run) - 1)
-    places = [view.at(*p) for p in episode.observations[:, list(drawn.position)].tolist()]
+    places = [view.at(x, y) for x, y in drawn.places(episode.observations).tolist()]
     for start, stop in stretches(run[: fell + 1]):
         color = states[run[start]].color
         points = tuple(places[start : min(stop, fell) + 1])

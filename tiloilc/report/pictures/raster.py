@@ -36,7 +36,15 @@ SMOOTH = 2
 """Dots are drawn so many times finer on each side than they are shown."""
 
 SPELLED = str.maketrans(
-    {**{c: str(i) for i, c in enumerate("₀₁₂₃₄₅₆₇₈₉")}, "–": "-", "−": "-", "×": "x", "ε": "eps"}
+    {
+        **{c: str(i) for i, c in enumerate("₀₁₂₃₄₅₆₇₈₉")},
+        "–": "-",
+        "−": "-",
+        "×": "x",
+        "ε": "eps",
+        "→": ">",
+        "↑": "^",
+    }
 )
 """Pillow's own font has Latin letters only."""
 
