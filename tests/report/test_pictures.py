@@ -14,6 +14,7 @@ from PIL import Image
 from tests.report.runs import plan
 from tiloilc.demos import bundled, replay
 from tiloilc.driver import labeller
+from tiloilc.report.maps import Map, map_of
 from tiloilc.report.pictures import canvas, pixels_of, png_of, svg_of
 from tiloilc.report.pictures.canvas import Box, Canvas, Clip, Disc, Look, Photo, Ring, Text, fitted
 from tiloilc.report.pictures.canvas import Path as Line
@@ -26,7 +27,6 @@ from tiloilc.report.pictures.environment import (
 )
 from tiloilc.report.pictures.film import MOST_FRAMES, Film, gif_of, pictures, shown_steps
 from tiloilc.report.pictures.place import Episode, on_map, shows_map, view_in
-from tiloilc.report.scene import Map, map_of
 from tiloilc.report.states import states_of
 from tiloilc.tasks.flatworld import FlatWorldEnv
 from tiloilc.tasks.scene import rasterise

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tiloilc.report.scene import Map, Shape, map_of, outlines
+from tiloilc.report.maps import Map, Shape, map_of
+from tiloilc.report.scene import outlines
 
 
 def test_a_scene_of_the_bundled_tasks_is_read_whole() -> None:

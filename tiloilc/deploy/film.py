@@ -10,11 +10,11 @@ import numpy as np
 from tiloilc.deploy.policy import Policy
 from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate.seeds import EVALUATION
+from tiloilc.report.maps import cropped, map_of
 from tiloilc.report.pictures.film import Film, shown_steps
 from tiloilc.report.pictures.frames import NoFrames, frame, make
 from tiloilc.report.pictures.place import Episode
 from tiloilc.report.plane import plane_of
-from tiloilc.report.scene import cropped, map_of
 from tiloilc.report.states import states_of
 
 if TYPE_CHECKING:

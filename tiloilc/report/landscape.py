@@ -11,9 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from tiloilc.plan import Plan
+from tiloilc.report.maps import Map
 from tiloilc.report.markup import Markup, concat, number, tag
 from tiloilc.report.reading import Floats, Rewards
-from tiloilc.report.scene import SIZE, Map, outlines
+from tiloilc.report.scene import SIZE, outlines
 from tiloilc.report.states import State
 
 __all__ = ["key", "pictures"]

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from tiloilc.label import compile_predicates
 from tiloilc.plan import Plan, importable
-from tiloilc.report.scene import Map, Shape
+from tiloilc.report.maps import Map, Shape
 
 COLUMNS, ROWS = 120, 90
 """Places at which propositions are asked."""

@@ -13,10 +13,10 @@ from tiloilc.diag import CompileError, Diagnostic
 if TYPE_CHECKING:
     from tiloilc.demos import Demo, DemoSet, Labels
     from tiloilc.plan import Plan
+    from tiloilc.report.maps import Map
     from tiloilc.report.pictures.canvas import Canvas, Pixels
     from tiloilc.report.pictures.environment import Shown
     from tiloilc.report.pictures.place import Episode
-    from tiloilc.report.scene import Map
 
 
 def environment_drawn(sources: Sequence[str], number: int) -> Canvas:
@@ -36,9 +36,9 @@ def _shown(source: str, number: int, alone: bool) -> Shown:
     """What there is to show of a task; beside others a single frame is enough."""
     from tiloilc.driver import labeller
     from tiloilc.plan import importable
+    from tiloilc.report.maps import map_of
     from tiloilc.report.pictures.environment import Shown
     from tiloilc.report.plane import plane_of
-    from tiloilc.report.scene import map_of
     from tiloilc.report.states import states_of
 
     known = subject_of(source)

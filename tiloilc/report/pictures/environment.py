@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
+from tiloilc.report.maps import Map, cropped
 from tiloilc.report.pictures.canvas import (
     CARD,
     INK,
@@ -20,7 +21,6 @@ from tiloilc.report.pictures.canvas import (
     width_of,
 )
 from tiloilc.report.pictures.place import Episode, bars, on_map, photo_in, view_in
-from tiloilc.report.scene import Map, cropped
 from tiloilc.report.states import State
 
 WIDTH, EDGE, LINE_HEIGHT = 720.0, 20.0, 19.0

@@ -9,6 +9,7 @@ from io import BytesIO
 
 import numpy as np
 
+from tiloilc.report.maps import Map
 from tiloilc.report.pictures.canvas import (
     CARD,
     PAPER,
@@ -28,7 +29,6 @@ from tiloilc.report.pictures.environment import said
 from tiloilc.report.pictures.place import Episode, bars, names, on_map, path, photo_in, view_in
 from tiloilc.report.pictures.place import shows_map as is_the_map
 from tiloilc.report.pictures.raster import pixels_of
-from tiloilc.report.scene import Map
 from tiloilc.report.states import State
 
 SIDE = 420.0

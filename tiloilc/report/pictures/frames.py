@@ -11,9 +11,9 @@ import numpy as np
 
 from tiloilc.demos import Demo
 from tiloilc.plan import importable
+from tiloilc.report.maps import Map
 from tiloilc.report.pictures.canvas import Pixels
 from tiloilc.report.pictures.place import shows_map
-from tiloilc.report.scene import Map
 from tiloilc.spec import Environment
 
 if TYPE_CHECKING:

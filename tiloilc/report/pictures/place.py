@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from tiloilc.report.maps import Map
+from tiloilc.report.maps import Shape as Zone
 from tiloilc.report.pictures.canvas import (
     CARD,
     INK,
@@ -28,8 +30,7 @@ from tiloilc.report.pictures.canvas import (
     Shape,
     Text,
 )
-from tiloilc.report.scene import Map, apart
-from tiloilc.report.scene import Shape as Zone
+from tiloilc.report.scene import apart
 from tiloilc.report.states import SINK, State
 
 ROUGH = 150
