@@ -21,6 +21,7 @@ from tests.demos.examples import (
     sequential,
     staying,
 )
+from tests.tasks.acting import acted
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.tasks import Expert, experts_of
 
@@ -76,21 +77,6 @@ TASKS += [
 ]
 
 
-def episode(env: gym.Env, expert: Expert, horizon: int, seed: int) -> np.ndarray:
-    generator = np.random.default_rng(seed)
-    observation, _ = env.reset(seed=seed)
-    progress = expert.begin(observation, generator)
-    seen = [observation]
-    for _ in range(horizon):
-        action, progress = expert.act(observation, progress, generator)
-        if progress.done:
-            break
-        assert env.action_space.contains(action)
-        observation = env.step(action)[0]
-        seen.append(observation)
-    return np.array(seen)
-
-
 def named(env: gym.Env, name: str) -> Expert:
     return next(expert for expert in experts_of(env) if expert.name == name)
 
@@ -111,7 +97,7 @@ def test_an_expert_accepts_and_never_violates_in_fifty_episodes(
     if noise is not None:
         expert = replace(expert, noise=noise)
     for seed in range(50):
-        run = ldba.run(labels(episode(env, expert, horizon, seed)).tolist())
+        run = ldba.run(labels(acted(env, expert, horizon, seed)).tolist())
         assert ldba.sink not in run
         visits = sum(b in ldba.accepting for b in run[1:])
         assert visits >= 1
@@ -124,7 +110,7 @@ def test_the_stabilizing_expert_stays_in_yellow(random_start: bool) -> None:
     env = gym.make("tiloilc/FlatWorld-v0", random_start=random_start)
     ldba, labels = staying(), bits(YELLOW, BLUE)
     for seed in range(50):
-        letters = labels(episode(env, named(env, "stabilization"), 50, seed))
+        letters = labels(acted(env, named(env, "stabilization"), 50, seed))
         assert len(letters) == 51
         assert not (letters & 2).any()
         inside = (letters & 1).astype(bool)
@@ -139,7 +125,7 @@ def test_the_choosing_expert_takes_both_routes_and_mostly_the_nearer_one() -> No
     expert = named(env, "disjunction")
     nearer = taken = 0
     for seed in range(60):
-        seen = episode(env, expert, 50, seed)
+        seen = acted(env, expert, 50, seed)
         letters = FLAT(seen)
         assert not (letters & 8).any()
         first = int(((letters & 5) > 0).argmax())
@@ -157,7 +143,7 @@ def test_the_choosing_expert_takes_both_routes_and_mostly_the_nearer_one() -> No
 
 def test_experts_are_good_but_not_optimal() -> None:
     env = gym.make("tiloilc/GridCircular-v0", zones=4)
-    steps = {len(episode(env, named(env, "circular"), 144, seed)) - 1 for seed in range(20)}
+    steps = {len(acted(env, named(env, "circular"), 144, seed)) - 1 for seed in range(20)}
     assert min(steps) > 79, "two rounds can be made in 79 steps"
     assert len(steps) > 3
 
@@ -169,7 +155,7 @@ def test_a_driver_who_does_not_stop_makes_more_rounds_the_faster_he_is(
     env = gym.make("tiloilc/Carlo-v0")
     ldba = chain("01", cyclic=True, avoid="z")
     driver = replace(named(env, "carlo"), laps=99, speed=speed, noise=0.0)
-    run = ldba.run(ROAD(episode(env, driver, 500, 0)).tolist())
+    run = ldba.run(ROAD(acted(env, driver, 500, 0)).tolist())
     assert ldba.sink not in run
     assert sum(b in ldba.accepting for b in run[1:]) == visits
 
@@ -179,7 +165,7 @@ def test_a_careless_driver_crashes_or_stops_before_a_round_is_complete() -> None
     ldba = chain("01", cyclic=True, avoid="z")
     crashed = 0
     for seed in range(50):
-        run = ldba.run(ROAD(episode(env, named(env, "unsafe"), 500, seed)).tolist())
+        run = ldba.run(ROAD(acted(env, named(env, "unsafe"), 500, seed)).tolist())
         assert not ldba.accepting & set(run)
         crashed += run[-1] == ldba.sink
         assert run[-1] in (1, ldba.sink)

@@ -41,22 +41,6 @@ def rollout(env: gym.Env, actions: np.ndarray, seed: int) -> np.ndarray:
     return np.array(seen)
 
 
-def acted(env: gym.Env, expert: Expert, horizon: int, seed: int) -> np.ndarray:
-    """What is seen while an expert acts, until it is done."""
-    generator = np.random.default_rng(seed)
-    observation, _ = env.reset(seed=seed)
-    progress = expert.begin(observation, generator)
-    seen = [observation]
-    for _ in range(horizon):
-        action, progress = expert.act(observation, progress, generator)
-        if progress.done:
-            break
-        assert env.action_space.contains(action)
-        observation = env.step(action)[0]
-        seen.append(observation)
-    return np.array(seen)
-
-
 def steady(env: gym.Env, **changes: object) -> Expert:
     """The environment's first expert without noise."""
     return replace(experts_of(env)[0], noise=0.0, **changes)  # type: ignore[type-var]

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from tests.tasks.robots.judge import acted, rollout, shown, steady, task, visits
+from tests.tasks.acting import acted
+from tests.tasks.robots.judge import rollout, shown, steady, task, visits
 from tiloilc.tasks import Circle
 from tiloilc.tasks.robots import flip_best
 from tiloilc.tasks.robots.cheetah import CheetahFlipEnv, rotations

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from tests.tasks.robots.judge import acted, rollout, shown, steady, task, visits
+from tests.tasks.acting import acted
+from tests.tasks.robots.judge import rollout, shown, steady, task, visits
 from tiloilc.tasks.robots import trot_search
 from tiloilc.tasks.robots.doggo import JOINTS, DoggoAvoidEnv, DoggoEnv, DoggoNavigateEnv
 from tiloilc.tasks.robots.trot import Trot, heading, shipped_trot, written
