@@ -13,6 +13,7 @@ import pytest
 from tests.driver.specs import spec
 from tiloilc.automaton import accepts, to_hoa, translate
 from tiloilc.cli import main
+from tiloilc.demos import load
 from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.driver import compile_spec, lint, load_plan, read_plan, write_build
 from tiloilc.ltl import Lasso, parse
@@ -184,8 +185,8 @@ def test_an_automaton_alone_is_explained(
 
 
 def test_demonstrations_are_recorded_for_an_automaton(tmp_path: Path) -> None:
-    from tiloilc.demos.__main__ import main as record
-
-    path = task(tmp_path)
-    assert record([str(path), "-o", str(tmp_path / "demos"), "--count", "2"]) == 0
-    assert (tmp_path / "demos" / "task.npz").is_file()
+    path, target = task(tmp_path), tmp_path / "demos" / "task.npz"
+    with pytest.raises(SystemExit) as ended:
+        main(["demos", "record", str(path), "--episodes", "2", "-o", str(target)])
+    assert ended.value.code == 0
+    assert len(load(target)) == 2
