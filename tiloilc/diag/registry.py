@@ -221,5 +221,11 @@ RULES: dict[str, Rule] = _rules(
     Rule("RUN709", E, "too-little-memory", "the run needs {needed}, and {available} are available"),
     Rule("RUN710", E, "no-such-device", "cannot learn on `cuda`: {problem}"),
     Rule("RUN711", E, "no-film", "cannot film `{subject}`: {problem}"),
+    Rule(
+        "RUN712",
+        E,
+        "other-version",
+        "another version of tiloilc trained the run `{path}`, and kept other things of it",
+    ),
 )
 """All rules by code, in the order of their codes."""

@@ -232,6 +232,19 @@ def test_a_checkpoint_of_another_plan_is_refused(tmp_path: Path) -> None:
         load_checkpoint(tmp_path, "another plan")
 
 
+def test_a_checkpoint_of_another_version_is_refused(tmp_path: Path) -> None:
+    written(tmp_path, 1)
+    pointer = json.loads((tmp_path / "last.json").read_text())
+    for change in ({"schema_version": 1}, {"schema_version": 99, "more": 1}):
+        (tmp_path / "last.json").write_text(json.dumps({**pointer, **change}))
+        with pytest.raises(CompileError, match="RUN712"):
+            load_checkpoint(tmp_path, "plan")
+    del pointer["schema_version"]  # as the first version wrote it
+    (tmp_path / "last.json").write_text(json.dumps(pointer))
+    with pytest.raises(CompileError, match="RUN712"):
+        load_checkpoint(tmp_path, "plan")
+
+
 def test_a_folder_that_cannot_be_made_is_a_finding(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(CompileError, match=r"RUN703"):

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -31,6 +32,9 @@ LAST, PREVIOUS = "last.json", "previous.json"
 
 WASTE = 2
 """Rows in files for each row that is still in its ring, before all are written afresh."""
+
+SCHEMA_VERSION = 2
+"""Of what tensors there are in a checkpoint, and of the pointer."""
 
 Written = dict[str, list[int]]
 """How many rows each ring was ever given, by name."""
@@ -56,6 +60,7 @@ class Pointer(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    schema_version: int
     step: int
     seconds: float
     events_bytes: int
@@ -130,6 +135,7 @@ class Checkpoints:
                     rows += (Rows(**file.model_dump(), written=written),)
                 file = _write_tensors(self.folder, f"{step:010d}", copied)
                 pointer = Pointer(
+                    schema_version=SCHEMA_VERSION,
                     step=step,
                     seconds=seconds,
                     events_bytes=events_bytes,
@@ -177,17 +183,23 @@ class Checkpoints:
 def load_checkpoint(folder: Path, plan_digest: str) -> Checkpoint | None:
     """The newest checkpoint that is whole, None if none was ever written.
 
-    Raises CompileError RUN701 if there is none that is whole, RUN704 if it is of another plan.
+    Raises CompileError RUN701 if there is none that is whole, RUN704 if it is of another plan,
+    RUN712 if another version of tiloilc wrote it.
     """
     if not any((folder / name).is_file() for name in (LAST, PREVIOUS)):
         return None
     problems = []
     for name in (LAST, PREVIOUS):
         try:
-            pointer = Pointer.model_validate_json((folder / name).read_bytes())
+            data = (folder / name).read_bytes()
+            if _is_of_another_version(data):
+                help = "go on with that version; `plan.json` in the folder of the run says which"
+                run = folder.parent.as_posix()
+                raise CompileError(Diagnostic.of("RUN712", help=help, path=run))
+            pointer = Pointer.model_validate_json(data)
             for file in (pointer.state, *pointer.rows):
-                with (folder / file.name).open("rb") as data:
-                    if hashlib.file_digest(data, "sha256").hexdigest() != file.sha256:
+                with (folder / file.name).open("rb") as content:
+                    if hashlib.file_digest(content, "sha256").hexdigest() != file.sha256:
                         raise ValueError(f"{file.name} is damaged")
         except ValidationError:
             problems.append(f"{name} is damaged")
@@ -204,6 +216,16 @@ def load_checkpoint(folder: Path, plan_digest: str) -> Checkpoint | None:
     raise CompileError(
         Diagnostic.of("RUN701", path=folder.parent.as_posix(), problem="; ".join(problems))
     )
+
+
+def _is_of_another_version(pointer: bytes) -> bool:
+    """Whether this is a whole pointer, but not of the kind that is written here."""
+    try:
+        read = json.loads(pointer)
+    except ValueError:
+        return False
+    whole = isinstance(read, dict) and "plan_digest" in read
+    return whole and read.get("schema_version") != SCHEMA_VERSION
 
 
 def replace_file(path: Path, data: bytes) -> None:
