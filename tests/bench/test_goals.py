@@ -13,7 +13,7 @@ from torch.utils.flop_counter import FlopCounterMode
 import tiloilc.bench.cold
 import tiloilc.bench.memory
 from tests.cli.running import Run, runner
-from tiloilc.bench import Measurement, Spread
+from tiloilc.bench import Measurement, Spread, envs
 from tiloilc.bench.automata import goals
 from tiloilc.bench.automata.measure import Measured, Row
 from tiloilc.bench.contestants import cleanrl, floor, optimum, ours, sb3
@@ -21,6 +21,7 @@ from tiloilc.bench.contestants.work import Run as Worker
 from tiloilc.bench.contestants.work import Work
 from tiloilc.bench.page import benchmarks_page
 from tiloilc.bench.turns import Contestant, Rates, Share, compare, take_turns
+from tiloilc.tasks import IDS
 
 SMALL = Work(batch=8, actor=(8, 8), critic=(8, 8), compiled=False)
 JUDGED = replace(SMALL, discriminators=True)
@@ -230,3 +231,25 @@ def test_half_a_page_is_not_written(run: Run, tmp_path: Path) -> None:
 @pytest.fixture(autouse=True)
 def one_thread() -> None:
     torch.set_num_threads(1)
+
+
+def test_every_environment_is_stepped_and_a_million_steps_are_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def turns(contestants: list[Contestant], rounds: int, *, tell: object) -> list[Rates]:
+        many, one = contestants
+        assert (many.work.threads, one.work.threads) == (many.work.copies == envs.ROBOTS, False)
+        assert many.work.path.is_file()
+        return [Rates(many.title, (2e6, 2e6)), Rates(one.title, (1e5, 1e5))]
+
+    monkeypatch.setattr(envs, "take_turns", turns)
+    rows = envs.measure(2, lambda line: None)
+    worlds = {row.name.split()[-1] for row in rows if row.name.startswith("a million")}
+    assert {f"tiloilc/{world}-v0" for world in worlds} >= set(IDS) - {
+        f"tiloilc/{grid}-v0" for grid in ("GridAvoid", "GridSequential")
+    }
+    steps, million = rows[:2]
+    assert steps.ratio is not None
+    assert (steps.ratio.median, steps.goal) == (20, 10)
+    assert million.value is not None
+    assert million.value.median == 0.5

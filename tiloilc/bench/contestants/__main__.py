@@ -2,7 +2,8 @@
 
 Prints a line of JSON when it is ready, `{}` or `{"missing": package}`. Then, for each number read,
 does so many pieces of its work and prints the seconds of processor time that took: on a core of its
-own those are the clock's, and on one that others use, too, they are still its own.
+own those are the clock's, and on one that others use, too, they are still its own. Work by threads
+has all cores, and the clock's seconds.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import json
 import os
 import sys
 from importlib import import_module
-from time import process_time
+from time import perf_counter, process_time
 
 from tiloilc.bench.contestants.work import Run, Work
 
@@ -25,7 +26,9 @@ def main() -> None:
     os.dup2(2, 1)  # whatever libraries print is no answer
     module, function, told = sys.argv[1:]
     work = Work.from_json(told)
-    _pin()
+    clock = perf_counter if work.threads else process_time
+    if not work.threads:
+        _pin()
     try:
         for name in work.needs:
             import_module(name)
@@ -37,9 +40,9 @@ def main() -> None:
         return
     answers.write("{}\n")
     for line in sys.stdin:
-        began = process_time()
+        began = clock()
         run(int(line))
-        answers.write(f"{process_time() - began}\n")
+        answers.write(f"{clock() - began}\n")
 
 
 def _pin() -> None:

@@ -21,7 +21,8 @@ WARM_UP = 1_000
 class Work:
     """What to do it with. The networks are those of the paper's Table 5 unless told otherwise.
 
-    `task` is the name of a task file, here or in `specs/`, `needs` are the modules without which
+    `task` is the name of a task file, here or in `specs/`, `threads` says that it takes place on
+    all cores, and is timed by the clock, `needs` are the modules without which
     its environment cannot be made.
     """
 
@@ -33,6 +34,7 @@ class Work:
     critic: tuple[int, ...] = (256, 256)
     discriminators: bool = False
     compiled: bool = True
+    threads: bool = False
     needs: tuple[str, ...] = ()
 
     @property
