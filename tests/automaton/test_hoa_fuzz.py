@@ -35,8 +35,9 @@ def test_some_hundred_damaged_files_get_findings() -> None:
 
 
 @pytest.mark.slow
-def test_twenty_thousand_damaged_files_get_findings() -> None:
-    attack(random.Random("many damaged"), 20_000)
+@pytest.mark.parametrize("part", range(4))  # for as many workers
+def test_twenty_thousand_damaged_files_get_findings(part: int) -> None:
+    attack(random.Random(f"many damaged, {part}"), 5_000)
 
 
 def attack(generator: random.Random, count: int) -> None:
