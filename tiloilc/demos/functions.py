@@ -12,19 +12,17 @@ between, as closures and objects do:
 
 from __future__ import annotations
 
-import hashlib
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tiloilc.diag import CompileError, Diagnostic, did_you_mean
+from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.tasks import Progress
+from tiloilc.userfile import Unusable, meant, named, run_file
 
 if TYPE_CHECKING:
     import gymnasium
@@ -114,33 +112,19 @@ def function_expert(reference: str, space: gymnasium.Space[Any]) -> FunctionExpe
 
 
 def _load(reference: str, path: Path, name: str) -> Callable[[np.random.Generator], object]:
-    if not path.is_file():
-        raise _unusable(reference, "there is no such file")
-    resolved = str(path.resolve())
-    unique = f"tiloilc_expert_{hashlib.sha256(resolved.encode()).hexdigest()[:16]}"
-    spec = spec_from_file_location(unique, resolved)
-    assert spec is not None, "the suffix is .py"
-    assert spec.loader is not None, "the suffix is .py"
-    module = module_from_spec(spec)
-    sys.modules[unique] = module  # dataclasses in the file look themselves up here
     try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:
-        raise _unusable(reference, f"the file fails with {_named(error)}") from error
+        module = run_file(path)
+    except Unusable as error:
+        raise _unusable(reference, str(error)) from error
     function: object = getattr(module, name, None)
     if not callable(function):
-        names = [n for n, v in vars(module).items() if callable(v) and not n.startswith("_")]
-        help = did_you_mean(name, names, listed="in the file")
-        raise _unusable(reference, f"the file has no function `{name}`", help)
+        problem = f"the file has no function `{name}`"
+        raise _unusable(reference, problem, meant(module, name))
     return function
 
 
 def _raised(error: BaseException) -> str:
-    return f"it raised {_named(error)}"
-
-
-def _named(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}"
+    return f"it raised {named(error)}"
 
 
 def _unusable(reference: str, problem: str, help: str = "") -> CompileError:

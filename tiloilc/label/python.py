@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
-import sys
 from collections.abc import Callable
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tiloilc.diag import CompileError, Diagnostic, SourceText, did_you_mean
+from tiloilc.diag import CompileError, Diagnostic, SourceText
 from tiloilc.label.functions import Array
+from tiloilc.userfile import Unusable, meant, named, run_file
 
 EXAMPLE = 'write it as python: "file.py:function"'
 
@@ -34,8 +32,7 @@ def python_predicate(reference: SourceText) -> Callable[[Array], NDArray[np.bool
         try:
             result = np.asarray(function(shown))
         except (Exception, SystemExit) as error:
-            problem = f"it raised {type(error).__name__}: {error}"
-            raise _unusable(reference, problem) from error
+            raise _unusable(reference, f"it raised {named(error)}") from error
         wanted = observations.shape[:1]
         if result.dtype != np.bool_ or result.shape != wanted:
             given = f"{result.dtype} {list(result.shape)}"
@@ -47,25 +44,13 @@ def python_predicate(reference: SourceText) -> Callable[[Array], NDArray[np.bool
 
 
 def _load(reference: SourceText, path: Path, name: str) -> Callable[[Array], object]:
-    if not path.is_file():
-        raise _unusable(reference, "there is no such file")
-    resolved = str(path.resolve())
-    unique = f"tiloilc_predicates_{hashlib.sha256(resolved.encode()).hexdigest()[:16]}"
-    spec = spec_from_file_location(unique, resolved)
-    assert spec is not None, "the suffix is .py"
-    assert spec.loader is not None, "the suffix is .py"
-    module = module_from_spec(spec)
-    sys.modules[unique] = module  # dataclasses in the file look themselves up here
     try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:
-        problem = f"the file fails with {type(error).__name__}: {error}"
-        raise _unusable(reference, problem) from error
+        module = run_file(path)
+    except Unusable as error:
+        raise _unusable(reference, str(error)) from error
     function: object = getattr(module, name, None)
     if function is None:
-        names = [n for n, v in vars(module).items() if callable(v) and not n.startswith("_")]
-        help = did_you_mean(name, names, listed="in the file")
-        raise _unusable(reference, f"the file has no `{name}`", help)
+        raise _unusable(reference, f"the file has no `{name}`", meant(module, name))
     if not callable(function):
         raise _unusable(reference, f"`{name}` is not a function")
     return function
