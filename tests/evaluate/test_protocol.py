@@ -1,6 +1,7 @@
 """The protocol: which episodes judge, what is written, and that judging disturbs nothing."""
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from tiloilc.evaluate.protocol import (
     dump,
     evaluate_run,
     git_commit,
+    git_time,
     machine,
     metrics_of,
     optimum_json,
@@ -169,6 +171,7 @@ def test_a_policy_on_a_table_can_be_evaluated_too(tmp_path: Path) -> None:
     )
     task = made, demos([0, 1, 2, 1, 0]), cell_is(2, 0, 9)
     found, _ = evaluate_run(*task, trained(task, tmp_path / "run"), 2, {})
+    assert found["demonstrations"] == made.demonstrations.model_dump(exclude_none=True)
     assert found["greedy"]["accepting_visits"] == [1, 1]  # 6 steps: to 2, to 0, to 2
     assert found["cloning"] is None
 
@@ -188,6 +191,19 @@ def test_machine_and_versions_name_no_host() -> None:
 def test_a_folder_outside_git_has_no_commit(tmp_path: Path) -> None:
     assert git_commit(tmp_path) is None
     assert git_commit(tmp_path / "missing") is None
+    assert git_time(tmp_path) is None
+
+
+def test_a_commit_has_its_time(tmp_path: Path) -> None:
+    import subprocess
+
+    at = {"GIT_COMMITTER_DATE": "@1700000000 +0000", "GIT_AUTHOR_DATE": "@1600000000 +0000"}
+    for arguments in (["init", "-q"], ["commit", "-q", "--allow-empty", "-m", "x"]):
+        me = ["-c", "user.name=x", "-c", "user.email=x@example.org"]
+        subprocess.run(
+            ["git", "-C", str(tmp_path), *me, *arguments], env={**os.environ, **at}, check=True
+        )
+    assert git_time(tmp_path) == 1_700_000_000
 
 
 def test_an_arena_can_be_used_again_and_again() -> None:

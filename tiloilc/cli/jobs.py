@@ -237,12 +237,14 @@ def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]
     from tiloilc.evaluate import protocol
     from tiloilc.evaluate.landscape import REWARDS, landscape
 
+    source = Path(tiloilc.__file__).parent
     about = {
         "overrides": job.plan.train.overrides(),
         "wall_seconds": _spent(run),
         "machine": protocol.machine(),
         "versions": protocol.versions(),
-        "git_commit": protocol.git_commit(Path(tiloilc.__file__).parent),
+        "git_commit": protocol.git_commit(source),
+        "git_time": protocol.git_time(source),
     }
     evaluation, trajectories = protocol.evaluate_run(
         job.plan, job.demos, job.labels, run, episodes or job.plan.evaluate.episodes, about

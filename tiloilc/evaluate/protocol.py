@@ -98,6 +98,7 @@ def evaluate_run(
         "plan_digest": digest(plan),
         "algorithm": settings.algorithm,
         "preset": settings.preset,
+        "demonstrations": plan.demonstrations.model_dump(mode="json", exclude_none=True),
         "steps": _steps(settings),
         "seeds": list(range(settings.first_seed, settings.first_seed + settings.seeds)),
         "episodes": episodes,
@@ -155,9 +156,20 @@ def versions() -> dict[str, str]:
 
 def git_commit(folder: Path) -> str | None:
     """The commit checked out in `folder`, None if there is none; `-dirty` if files differ."""
+    return _git(folder, "describe", "--always", "--dirty", "--abbrev=40")
+
+
+def git_time(folder: Path) -> int | None:
+    """When that commit was made, in seconds since 1970; tells the later one of two records."""
+    said = _git(folder, "show", "--no-patch", "--format=%ct", "HEAD")
+    return int(said) if said is not None and said.isdecimal() else None
+
+
+def _git(folder: Path, *arguments: str) -> str | None:
+    """What git says of the checkout of `folder`; None if there is none, or no git."""
+    command = ["git", "-C", str(folder), *arguments]
     try:
-        head = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=40"]
-        done = subprocess.run(head, capture_output=True, text=True, timeout=10, check=True)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):
         return None
     return done.stdout.strip() or None
