@@ -38,8 +38,8 @@ records: $(STAMP)  ## train every task of specs/ and add its records to results/
 	  $(BIN)/tiloilc run "$$spec" --record "results/$$(basename "$$spec" .yaml).jsonl.gz" || exit 1; \
 	done
 
-results: $(STAMP)  ## write docs/results.md and docs/pendulum.md from the records in results/
-	$(BIN)/python -m tiloilc.report.results results docs/results.md
+results: $(STAMP)  ## write docs/results/, README's table and figure, docs/pendulum.md from records
+	$(BIN)/python -m tiloilc.report.results
 	$(BIN)/python -m tiloilc.bench.pendulum results/sac/pendulum.jsonl.gz docs/pendulum.md
 
 sheet: $(STAMP)  ## draw every task of specs/ with a demonstration: docs/tasks.png

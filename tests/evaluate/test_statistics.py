@@ -9,6 +9,7 @@ from tiloilc.evaluate.statistics import (
     generator,
     interquartile_mean,
     mean,
+    probability_of_improvement,
     steps_to_threshold,
     stratified_bootstrap,
     summarise,
@@ -85,3 +86,28 @@ def test_area_is_the_mean_height_over_uneven_steps() -> None:
     # trapezoids: (0+2)/2 · 100 + 2 · 300 = 700, over 400 steps
     assert area_under_curve([0, 100, 400], curves).tolist() == pytest.approx([1.75, 1.0])
     assert area_under_curve([50], curves[:1]).tolist() == [0.0, 1.0]
+
+
+def test_the_probability_of_improvement_counts_pairs_and_half_of_ties() -> None:
+    x, y = np.array([1.0, 2.0, 3.0]), np.array([2.0, 0.0])
+    found, _ = probability_of_improvement([(x, y)], generator())
+    assert found == pytest.approx((1 + 1.5 + 2) / 6)  # of each x in turn
+    turned, _ = probability_of_improvement([(y, x)], generator())
+    assert found + turned == pytest.approx(1.0)
+
+
+def test_each_task_weighs_the_same_in_the_probability_of_improvement() -> None:
+    won = (np.ones(2), np.zeros(50))
+    lost = (np.zeros(40), np.ones(3))
+    found, interval = probability_of_improvement([won, lost], generator())
+    assert (found, interval.low, interval.high) == (0.5, 0.5, 0.5)
+
+
+def test_the_interval_of_improvement_holds_the_truth_as_often_as_it_says() -> None:
+    rng = np.random.default_rng(5)
+    inside = 0
+    for _ in range(200):
+        pair = rng.normal(0.5, 1, 20), rng.normal(0, 1, 20)
+        _, interval = probability_of_improvement([pair], rng, resamples=300)
+        inside += interval.low <= 0.638 <= interval.high  # P(N(0.5, 2) > 0)
+    assert 0.88 <= inside / 200 <= 0.99

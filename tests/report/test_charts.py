@@ -8,7 +8,8 @@ import pytest
 
 from tiloilc.evaluate import Band, summarise
 from tiloilc.evaluate.statistics import generator
-from tiloilc.report.charts import Area, Level, Series, area_chart, line_chart, short, strip, ticks
+from tiloilc.report.charts import Area, Level, Series, area_chart, line_chart, strip
+from tiloilc.report.frame import short, ticks
 from tiloilc.report.markup import Markup, concat, number, tag
 from tiloilc.report.states import LIVE, palette, subscript
 

@@ -9,7 +9,8 @@ import numpy as np
 from tiloilc.evaluate import Summary
 from tiloilc.plan.model import Stages
 from tiloilc.report import facts
-from tiloilc.report.charts import short, strip
+from tiloilc.report.charts import strip
+from tiloilc.report.frame import short
 from tiloilc.report.markup import Markup, concat, number, tag
 from tiloilc.report.reading import Floats
 from tiloilc.report.run import Run

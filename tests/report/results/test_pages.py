@@ -1,0 +1,236 @@
+"""The pages of results: they are those of the records, and say what was and was not run."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.report.results.records import records
+from tiloilc.evaluate import Record
+from tiloilc.report.results.book import Book, open_book
+from tiloilc.report.results.pages import (
+    ablations,
+    comparison,
+    demonstrations,
+    every,
+    index,
+    learning,
+    readme,
+)
+from tiloilc.report.results.tasks import TaskFile, read_tasks
+from tiloilc.report.results.write import files as all_files
+from tiloilc.report.results.write import write
+
+ROOT = Path(__file__).parents[3]
+PAGES = ROOT / "docs" / "results"
+RISE = [[1.0, 1.0], [2.0, 3.0], [4.0, 4.0]]
+
+
+@pytest.fixture(scope="module")
+def files() -> dict[str, TaskFile]:
+    return read_tasks(ROOT / "specs")
+
+
+@pytest.fixture(scope="module")
+def recorded() -> dict[str, str]:
+    return all_files(open_book(ROOT / "results", ROOT / "specs"))
+
+
+def lcer(visits: list[float], **changes: object) -> list[Record]:
+    overrides = {"beta": 0.0, "gamma": 0.8, "algorithm": "lcer"}
+    return records(visits, algorithm="lcer", overrides=overrides, **changes)
+
+
+def line_of(page: str, begin: str) -> str:
+    (found,) = (line for line in page.splitlines() if line.startswith(begin))
+    return found
+
+
+def test_the_pages_are_those_of_the_records(recorded: dict[str, str]) -> None:
+    there = [*PAGES.rglob("*.md"), *PAGES.rglob("*.svg")]
+    found = {p.relative_to(PAGES).as_posix(): p.read_text(encoding="utf-8") for p in there}
+    assert sorted(found) == sorted(recorded), "run `make results`"
+    for name, text in recorded.items():
+        assert found[name] == text, f"{name} is of other records: run `make results`"
+
+
+def test_the_readme_shows_what_the_records_say() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert text == readme.fill(text, open_book(ROOT / "results", ROOT / "specs"))
+
+
+def test_every_link_leads_somewhere(recorded: dict[str, str]) -> None:
+    anchors = set(re.findall(r'<a id="([^"]+)">', recorded["all.md"]))
+    links = 0
+    for name, text in recorded.items():
+        if not name.endswith(".md"):
+            continue
+        shown = re.findall(r"\]\(([^)]+)\)", text) + re.findall(r'src="([^"]+)"', text)
+        for link in shown:
+            path, _, anchor = link.partition("#")
+            assert (PAGES / path).resolve().exists(), f"{name}: {link}"
+            assert not anchor or anchor in anchors, f"{name}: {link}"
+            links += 1
+    assert links > 100
+
+
+def test_figures_are_small(recorded: dict[str, str]) -> None:
+    sizes = {n: len(t.encode()) for n, t in recorded.items() if n.endswith(".svg")}
+    assert sizes
+    assert max(sizes.values()) < 60_000
+
+
+def test_the_same_records_give_the_same_pages_in_any_order(files: dict[str, TaskFile]) -> None:
+    found = [*records([2.0, 4.0], curve=RISE), *lcer([1.0, 2.0], curve=RISE)]
+    assert all_files(Book.of(found, files)) == all_files(Book.of(found[::-1], files))
+
+
+def test_writing_removes_what_is_no_longer_made(tmp_path: Path) -> None:
+    (tmp_path / "curves").mkdir()
+    (tmp_path / "curves/old.svg").write_text("")
+    write({"README.md": "a", "curves/new.svg": "b"}, tmp_path)
+    assert sorted(p.name for p in tmp_path.rglob("*.*")) == ["README.md", "new.svg"]
+
+
+def test_a_row_of_all_names_its_spread_its_bound_and_its_records(
+    files: dict[str, TaskFile],
+) -> None:
+    row = line_of(every.page(Book.of(records([2.0, 4.0]), files)), "| <a id=")
+    assert "`flatworld_cycle` | tiloil default beta=0 gamma=0.8 | 2 | 36,000 | 3.00 ± 1.41 |" in row
+    end = "| – | ≥ 4 | seeds [200–201](../../results/flatworld_cycle.jsonl.gz) at abcdef0 |"
+    assert row.endswith(end)
+
+
+def test_rows_that_differ_in_one_setting_are_compared(files: dict[str, TaskFile]) -> None:
+    found = records([3.0] * 5, overrides={"gamma": 0.9})
+    found += records([1.0] * 5, overrides={"gamma": 0.9, "beta": 0.0})
+    found += records([2.0] * 5, overrides={"beta": 0.0, "tau": 0.1})
+    found += records([2.0], overrides={}, steps=2000)
+    _, _, compared = every.page(Book.of(found, files)).partition("One thing changed")
+    row = line_of(compared, "| `flatworld_cycle`")
+    assert "| tiloil default gamma=0.9 | beta=0 | 3.00 ± 0.00 | 1.00 ± 0.00 |" in row
+    assert row.endswith("| -2.00 [-2.00, -2.00] |")
+
+
+def test_the_overview_marks_the_best_and_says_what_was_not_run(files: dict[str, TaskFile]) -> None:
+    book = Book.of([*records([4.0] * 10), *lcer([1.0] * 10)], files)
+    page = index.index(book)
+    row = line_of(page, "| FlatWorld Cycle |")
+    cells = [cell.strip() for cell in row.split("|")][1:-1]
+    assert cells[1].startswith("[**4.00 ± 0.00**](all.md#r-")
+    assert "paper 2.3 ± 0.8" in cells[1]
+    assert cells[2].startswith("[1.00 ± 0.00](all.md#r-")
+    assert "paper 1.6 ± 0.6" in cells[2]
+    assert cells[3].startswith("not run<br>")
+    assert cells[-2:] == ["2.8 ± 0.1<br><sub>table 2</sub>", "≥ 4"]
+    assert "- **TiLoIL**: in full on FlatWorld Cycle; not run on " in page
+    assert "- **GAIL**: not run on any task." in page
+
+
+def test_equal_methods_are_both_marked_and_one_alone_is_not(files: dict[str, TaskFile]) -> None:
+    alone = Book.of(records([4.0] * 10), files)
+    assert "**4.00" not in index.index(alone)
+    both = Book.of([*records([3.0, 4.0] * 5), *lcer([4.0, 3.0] * 5)], files)
+    row = line_of(index.index(both), "| FlatWorld Cycle |")
+    assert row.count("**3.50 ± 0.53**") == 2
+
+
+def test_a_method_with_other_settings_only_is_not_said_to_be_not_run(
+    files: dict[str, TaskFile],
+) -> None:
+    page = index.index(Book.of(records([1.0], overrides={"gamma": 0.5}), files))
+    assert "with other settings than the task file's only on [FlatWorld Cycle](all.md)" in page
+
+
+def test_a_section_has_returns_efficiency_and_the_command_for_what_is_missing(
+    files: dict[str, TaskFile],
+) -> None:
+    page = learning.figure_3(Book.of(records([2.0, 4.0], curve=RISE), files))
+    row = line_of(page, "| TiLoIL | [3.00")
+    assert "2.3 ± 0.8 | 1.50 ± 0.71 | 0.0% | 3k | 3k | 2.50 ± 0.35 |" in row
+    command = "tiloilc run specs/flatworld_cycle.yaml --set algorithm=lcer --set first_seed=200"
+    assert f"`{command} --record results/flatworld_cycle.jsonl.gz`" in page
+    assert "fewer than ten seeds: TiLoIL (2 seeds)." in page
+    assert 'src="curves/flatworld_cycle.svg"' in page
+    assert 'src="curves/carlo.svg"' not in page
+
+
+def test_shorter_rows_say_so_in_their_cell(files: dict[str, TaskFile]) -> None:
+    page = learning.figure_3(Book.of(records([2.0], steps=9_000), files))
+    assert "<sub>1 seed × 9k of 36k</sub>" in page
+
+
+def test_parts_left_out_stand_beside_the_whole(files: dict[str, TaskFile]) -> None:
+    found = records([4.0] * 5, overrides={"gamma": 0.8}, curve=[[4.0] * 5] * 2)
+    cut = {"gamma": 0.8, "segment": False}
+    found += records([1.0] * 5, overrides=cut, curve=[[1.0] * 5] * 2)
+    made = ablations.files(Book.of(found, files))
+    assert "ablations/flatworld_cycle.svg" in made
+    row = line_of(made["figure-4.md"], "| FlatWorld Cycle |")
+    assert "| default gamma=0.8 | [4.00 ± 0.00]" in row
+    assert "[1.00 ± 0.00]" in row
+    assert "-3.00 [-3.00, -3.00]" in row
+    assert row.endswith("| not run | ≥ 4 |")
+
+
+def test_betas_stand_in_the_papers_columns(files: dict[str, TaskFile]) -> None:
+    found = records([1.0] * 5, overrides={"gamma": 0.8})
+    for i, beta in enumerate((0.49, 0.25, 0.0)):
+        found += records([2.0 + i] * 5, overrides={"gamma": 0.8, "beta": beta})
+    row = line_of(ablations.table_1(Book.of(found, files)), "| FlatWorld Cycle |")
+    cells = [cell.strip() for cell in row.split("|")][3:7]
+    assert [cell[1:5] for cell in cells] == ["2.00", "1.00", "3.00", "4.00"]
+    assert ["paper" in cell for cell in cells] == [True, True, True, False]
+
+
+def test_one_discriminator_stands_beside_many(files: dict[str, TaskFile]) -> None:
+    found = records([1.0] * 5) + records(
+        [2.0] * 5, overrides={"beta": 0.0, "gamma": 0.8, "discriminator": "shared"}
+    )
+    row = line_of(ablations.table_2(Book.of(found, files)), "| FlatWorld Cycle |")
+    assert "[1.00 ± 0.00]" in row
+    assert "| +1.00 [+1.00, +1.00] |" in row
+    assert "paper 2.8 ± 0.1" in row
+
+
+def test_demonstrations_that_differ_have_their_pages(files: dict[str, TaskFile]) -> None:
+    given = files["carlo"].demonstrations
+    carlo = {"name": "carlo", "overrides": {}, "steps": 200_000}
+    unsafe = {"file": "../x/carlo_unsafe.npz", "count": 5, "max_visits": 2, "actions": "inferred"}
+    found = records([1.0], **carlo, demonstrations=given)
+    found += records([2.0], **carlo, demonstrations={**given, "count": 111})
+    found += records([3.0], **carlo, demonstrations=unsafe)
+    found += records([4.0], **carlo, demonstrations={**given, "max_steps": 200})
+    book = Book.of(found, files)
+    sizes = line_of(demonstrations.figure_6(book), "| Carlo |")
+    assert re.findall(r"\[(\d\.00) ± 0.00\]", sizes) == ["1.00", "2.00"]
+    assert "(111)" in sizes
+    assert "[3.00 ± 0.00]" in line_of(demonstrations.table_3(book), "| Carlo |")
+    lengths = line_of(demonstrations.table_4(book), "| Carlo |")
+    assert re.findall(r"\[(\d\.00) ± 0.00\]", lengths) == ["1.00", "4.00"]
+    assert lengths.count("not run") == 2
+
+
+def test_how_likely_the_method_is_better_is_told_by_baseline(files: dict[str, TaskFile]) -> None:
+    book = Book.of([*records([4.0, 2.0], curve=RISE), *lcer([2.0, 2.0], curve=RISE)], files)
+    page = comparison.comparison(book)
+    assert line_of(page, "| LCER |").startswith("| LCER | 1 task | 0.75 [0.50, 1.00] |")
+    assert "| GAIL | 0 | not run |" in page
+    assert "| FlatWorld Cycle | [LCER](all.md#r-" in page
+
+
+def test_the_readme_needs_its_markers() -> None:
+    book = Book.of([], {})
+    with pytest.raises(ValueError, match="once each"):
+        readme.fill("no markers", book)
+    filled = readme.fill(f"a {readme.BEGIN} old {readme.END} b", book)
+    assert filled.startswith(f"a {readme.BEGIN}\n\n![")
+    assert filled.endswith(f"{readme.END} b")
+    assert readme.fill(filled, book) == filled
+
+
+def test_the_readme_names_the_best_baseline(files: dict[str, TaskFile]) -> None:
+    book = Book.of([*records([4.0] * 10), *lcer([1.0] * 10)], files)
+    row = line_of(readme.block(book), "| FlatWorld Cycle |")
+    assert "[1.00 ± 0.00](docs/results/all.md#r-" in row
+    assert "LCER" in row

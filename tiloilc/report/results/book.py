@@ -1,0 +1,111 @@
+"""All rows, and how a page finds the ones it is about."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from tiloilc.evaluate import Record, read
+from tiloilc.report.results.methods import METHODS
+from tiloilc.report.results.rows import Changes, Row, rows_of, settings_of
+from tiloilc.report.results.tasks import TITLES, TaskFile, read_tasks
+
+__all__ = ["Book", "Family", "open_book"]
+
+
+@dataclass(frozen=True)
+class Family:
+    """Rows of one task that differ in some settings only, by what they change of these."""
+
+    task: str
+    members: Mapping[Changes, Row]
+
+    def get(self, **changes: str) -> Row | None:
+        """The row with these values, as JSON, and no other of the family's settings changed."""
+        return self.members.get(tuple(sorted(changes.items())))
+
+    def named(self, *settings: str) -> str:
+        """What its rows have in common, in words; `settings` are what they differ in."""
+        row = next(iter(self.members.values()), None)
+        if row is None:
+            return ""
+        shared = [f"{k}={v}" for k, v in (*row.without(*settings), *row.demonstrations)]
+        return " ".join([row.preset, *shared])
+
+
+@dataclass(frozen=True)
+class Book:
+    """The rows of all records and the task files."""
+
+    rows: tuple[Row, ...]
+    files: Mapping[str, TaskFile]
+
+    @classmethod
+    def of(cls, records: Sequence[Record], files: Mapping[str, TaskFile]) -> Book:
+        """The rows of `records`."""
+        return cls(tuple(rows_of(records, files)), files)
+
+    @property
+    def tasks(self) -> list[str]:
+        """Every task with a file or a record: the paper's in its order, then others."""
+        names = {row.task for row in self.rows} | set(self.files)
+        order = {name: place for place, name in enumerate(TITLES)}
+        return sorted(names, key=lambda name: (order.get(name, len(order)), name))
+
+    @property
+    def algorithms(self) -> list[str]:
+        """The methods of the paper in their order, then what else has records."""
+        more = sorted({row.algorithm for row in self.rows} - set(METHODS))
+        return [*METHODS, *more]
+
+    def usual(self, task: str, algorithm: str, preset: str = "default") -> Row | None:
+        """The row with the task file's own settings and demonstrations, the longest there is."""
+        wanted = self.defaults(task, preset)
+        found = [
+            row
+            for row in self.of_task(task, algorithm)
+            if row.preset == preset and row.changes in wanted and not row.demonstrations
+        ]
+        return max(found, key=lambda row: (row.steps, len(row.runs)), default=None)
+
+    def defaults(self, task: str, preset: str = "default") -> tuple[Changes, ...]:
+        """Changes that are the task file's own; of the preset `paper` its letter counts, too."""
+        file = self.files.get(task)
+        own = () if file is None else settings_of(file.defaults[preset])
+        return (own, ()) if preset == "paper" or file is None else (own,)
+
+    def of_task(self, task: str, algorithm: str | None = None) -> list[Row]:
+        """The rows of a task, or of one method on it."""
+        return [r for r in self.rows if r.task == task and algorithm in (None, r.algorithm)]
+
+    def families(self, task: str, *settings: str, apart: Sequence[str] = ()) -> list[Family]:
+        """TiLoIL's rows in groups that differ in `settings` only, those of two rows or more.
+
+        Rows that change one of the settings `apart` stay away. The group with the task file's own
+        other settings comes first. Where there is no group: the usual row alone, or nothing.
+        """
+        groups: dict[tuple[Changes, str, Changes, int], dict[Changes, Row]] = {}
+        for row in self.of_task(task, "tiloil"):
+            if any(row.setting(name) is not None for name in apart):
+                continue
+            key = (row.without(*settings), row.preset, row.demonstrations, row.steps)
+            varied = tuple(pair for pair in row.changes if pair[0] in settings)
+            groups.setdefault(key, {})[varied] = row
+        own = {tuple(p for p in one if p[0] not in settings) for one in self.defaults(task)}
+        order = sorted(groups, key=lambda key: (key[0] not in own, -key[3], key))
+        found = [Family(task, groups[key]) for key in order if len(groups[key]) > 1]
+        lone = self.usual(task, "tiloil")
+        if found or lone is None:
+            return found or [Family(task, {})]
+        return [Family(task, {tuple(p for p in lone.changes if p[0] in settings): lone})]
+
+    def optimum(self, task: str) -> tuple[float, bool] | None:
+        """The most accepting visits in an episode, and whether that is exact: the highest known."""
+        known = [row.optimum for row in self.of_task(task)]
+        return max((one for one in known if one is not None), default=None)
+
+
+def open_book(results: Path, specs: Path) -> Book:
+    """The records `results/*.jsonl.gz` beside the task files of `specs`."""
+    return Book.of(read(*sorted(results.glob("*.jsonl.gz"))), read_tasks(specs))

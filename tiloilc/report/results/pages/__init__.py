@@ -1,0 +1,1 @@
+"""The pages of `docs/results/`, each a function of the book of rows."""

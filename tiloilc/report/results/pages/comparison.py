@@ -1,0 +1,136 @@
+"""TiLoIL beside each baseline: how likely it is better, and how fast each learns."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tiloilc.evaluate import (
+    generator,
+    interquartile_mean,
+    probability_of_improvement,
+    stratified_bootstrap,
+)
+from tiloilc.report.results import paper
+from tiloilc.report.results.book import Book
+from tiloilc.report.results.markdown import (
+    MADE,
+    between,
+    listed,
+    one_of,
+    optimum,
+    spread,
+    table,
+)  # fmt: skip
+from tiloilc.report.results.measures import height, reached
+from tiloilc.report.results.methods import BASELINES, method_name
+from tiloilc.report.results.rows import Floats, Row
+from tiloilc.report.results.tasks import title
+
+LIKELY = """\
+## How likely TiLoIL is better
+
+The probability that a run of TiLoIL makes more accepting visits than a run of the other method, on
+a task of those that both were run on, with a 95 % stratified bootstrap interval (Agarwal et al.
+2021, *Deep reinforcement learning at the edge of the statistical precipice*). Ties count half, so
+0.5 means no difference. The interquartile means are of visits as a share of the optimum, or of the
+best that is known, over the runs of all these tasks.
+
+"""
+
+FAST = """\
+## How fast each learns
+
+After how many environment steps of a seed the mean over seeds, in validation, first makes 90 % of
+the paper's best number for TiLoIL, and 90 % of the optimum; and the mean height of the curve of
+visits over training, which is the area under it by its length. Where methods were trained for
+different numbers of steps, heights do not compare.
+
+"""
+
+
+def comparison(book: Book) -> str:
+    """The page."""
+    text = f"# Comparison\n\n{MADE}\n" + LIKELY
+    overall = [_overall(book, other) for other in BASELINES]
+    heads = ["TiLoIL beside", "tasks", "P(TiLoIL is better) [95 %]", "IQM of TiLoIL", "IQM of it"]
+    text += table(heads, overall) + "\n"
+    present = [other for other in BASELINES if _both(book, other)]
+    if present:
+        heads = ["task", *(method_name(other) for other in present)]
+        text += "Task by task:\n\n"
+        text += table(heads, [r for task in book.tasks if (r := _likely(book, task, present))])
+        text += "\n"
+    absent = [method_name(other) for other in BASELINES if other not in present]
+    if absent:
+        text += f"Not run on any task: {listed(absent)}.\n\n"
+    rows = [row for task in book.tasks for row in _fast(book, task)]
+    heads = [
+        "task", "method", "steps", "to 90 % of the paper", "to 90 % of the optimum", "mean height",
+        "optimum",
+    ]  # fmt: skip
+    return text + FAST + table(heads, rows)
+
+
+def _both(book: Book, other: str) -> dict[str, tuple[Row, Row]]:
+    """The tasks that TiLoIL and another method were run on, with their rows."""
+    found = {task: (book.usual(task, "tiloil"), book.usual(task, other)) for task in book.tasks}
+    return {task: (x, y) for task, (x, y) in found.items() if x is not None and y is not None}
+
+
+def _overall(book: Book, other: str) -> list[str]:
+    both = _both(book, other)
+    if not both:
+        return [method_name(other), "0", "not run", "–", "–"]
+    pairs = [(x.values("greedy"), y.values("greedy")) for x, y in both.values()]
+    likely, interval = probability_of_improvement(pairs, generator())
+    shares = [(pair, best[0]) for (task, pair) in zip(both, pairs, strict=True)
+              if (best := book.optimum(task)) is not None and best[0] > 0]  # fmt: skip
+    cells = ["–", "–"]
+    if shares:
+        cells = [_iqm([pair[side] / best for pair, best in shares]) for side in (0, 1)]
+    return [
+        method_name(other),
+        one_of(len(both), "task"),
+        f"{likely:.2f} {between(interval)}",
+        *cells,
+    ]
+
+
+def _iqm(strata: list[Floats]) -> str:
+    middle = float(interquartile_mean(np.concatenate(strata)))
+    return f"{middle:.2f} {between(stratified_bootstrap(strata, interquartile_mean, generator()))}"
+
+
+def _likely(book: Book, task: str, others: list[str]) -> list[str]:
+    """One task's probabilities; nothing if no method was run beside TiLoIL."""
+    cells = []
+    for other in others:
+        pair = _both(book, other).get(task)
+        if pair is None:
+            cells.append("–")
+            continue
+        x, y = (row.values("greedy") for row in pair)
+        likely, interval = probability_of_improvement([(x, y)], generator())
+        cells.append(f"{likely:.2f} {between(interval)}")
+    return [title(task), *cells] if any(cell != "–" for cell in cells) else []
+
+
+def _fast(book: Book, task: str) -> list[list[str]]:
+    mine, best = paper.best(task), book.optimum(task)
+    rows = []
+    for algorithm in book.algorithms:
+        row = book.usual(task, algorithm)
+        if row is None or not row.curve("accepting_visits")[0]:
+            continue
+        rows.append(
+            [
+                title(task),
+                f"[{method_name(algorithm)}](all.md#{row.anchor})",
+                f"{row.steps:,}",
+                reached(row, None if mine is None else mine.mean),
+                reached(row, None if best is None else best[0]),
+                spread(height(row)),
+                optimum(best),
+            ]
+        )
+    return rows
