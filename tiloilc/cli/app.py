@@ -28,6 +28,7 @@ VERBS = {
     "train": "train",
     "eval": "evaluate",
     "run": "run",
+    "sweep": "sweep",
     "report": "report",
     "export": "export",
     "viz": "logic.viz",

@@ -6,7 +6,7 @@ import dataclasses
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -85,6 +85,17 @@ def settings_given(
     return changes
 
 
+def known_settings(changes: Iterable[str]) -> None:
+    """Raises Exit 2 for a name that is no setting."""
+    from tiloilc.diag import did_you_mean
+    from tiloilc.spec.settings import Settings
+
+    for name in changes:
+        if name not in Settings.model_fields:
+            hint = did_you_mean(name, sorted(Settings.model_fields))
+            raise fail(f"no setting `{name}`" + (f"; {hint}" if hint else ""))
+
+
 def _value(text: str) -> object:
     """What a value means in YAML: lists, booleans, numbers; else the text itself."""
     try:
@@ -96,15 +107,11 @@ def _value(text: str) -> object:
 def _changed(plan: Plan, changes: Mapping[str, object], quiet: bool) -> Settings:
     from pydantic import ValidationError
 
-    from tiloilc.diag import CompileError, Severity, did_you_mean
+    from tiloilc.diag import CompileError, Severity
     from tiloilc.driver import doubtful_findings, settings_findings
     from tiloilc.spec import refusal
-    from tiloilc.spec.settings import Settings
 
-    for name in changes:
-        if name not in Settings.model_fields:
-            hint = did_you_mean(name, sorted(Settings.model_fields))
-            raise fail(f"no setting `{name}`" + (f"; {hint}" if hint else ""))
+    known_settings(changes)
     try:
         settings = plan.train.override(changes)
     except ValidationError as error:

@@ -28,7 +28,7 @@ Record = Annotated[
 
 def command(
     spec: Annotated[
-        Path, typer.Argument(metavar="SPEC", help="The task file.", exists=True, dir_okay=False)
+        Path, typer.Argument(metavar="SPEC", help="The task file, or a build folder.", exists=True)
     ],
     steps: Steps = None,
     seeds: Seeds = None,
@@ -49,13 +49,15 @@ def command(
 
     if record is not None and record.exists():
         read(record)  # a damaged file is found out now, not after the training
-    with guests():
-        result = compile_spec(spec)
-    if not quiet:
-        report(result.diagnostics)
-    build = Path("build") / result.plan.name
-    write_build(result, build)
-    say(f"compiled to {build.as_posix()}", quiet)
+    build = spec
+    if not spec.is_dir():
+        with guests():
+            result = compile_spec(spec)
+        if not quiet:
+            report(result.diagnostics)
+        build = Path("build") / result.plan.name
+        write_build(result, build)
+        say(f"compiled to {build.as_posix()}", quiet)
     with open_job(build, settings_given(changes or [], steps, seeds, device), quiet) as job:
         run = run_to_resume(build, job, runs) if resume else new_run(job, runs)
         say(f"training {job.plan.name}: {job.plan.train.seeds} seeds in {run.as_posix()}", quiet)

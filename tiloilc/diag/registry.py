@@ -38,7 +38,7 @@ RULES: dict[str, Rule] = _rules(
     Rule("SPEC103", E, "wrong-value", "`{key}` {problem}"),
     Rule("SPEC104", E, "swallowed-formula", "YAML swallows this text: {problem}"),
     Rule("SPEC105", E, "unreadable-file", "cannot read `{path}`: {problem}"),
-    Rule("SPEC106", E, "not-a-task-file", "a task file is a mapping of keys to values, not {kind}"),
+    Rule("SPEC106", E, "not-a-task-file", "{form} is a mapping of keys to values, not {kind}"),
     Rule("SPEC107", E, "duplicate-key", "duplicate key `{key}`"),
     Rule("SPEC108", E, "conflicting-keys", "{problem}"),
     Rule("SPEC109", E, "yaml-too-large", "the YAML is too large: {problem}"),

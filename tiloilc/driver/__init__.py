@@ -4,6 +4,7 @@ from tiloilc.driver.analysis import Analysis, analyse
 from tiloilc.driver.build import (
     Compiled,
     compile_spec,
+    compiled,
     labeller,
     lint,
     load_plan,
@@ -13,13 +14,21 @@ from tiloilc.driver.build import (
     write_file,
     write_plan,
 )
-from tiloilc.driver.settings import doubtful_findings, settings_findings
+from tiloilc.driver.settings import (
+    backbone,
+    backbone_findings,
+    doubtful_findings,
+    settings_findings,
+)
 
 __all__ = [
     "Analysis",
     "Compiled",
     "analyse",
+    "backbone",
+    "backbone_findings",
     "compile_spec",
+    "compiled",
     "doubtful_findings",
     "labeller",
     "lint",

@@ -24,7 +24,12 @@ from tiloilc.driver.environment import Asked, ask
 from tiloilc.driver.findings import Findings
 from tiloilc.driver.formula import meaning, translated, unused
 from tiloilc.driver.imported import import_findings, imported
-from tiloilc.driver.settings import doubtful_findings, settings_findings
+from tiloilc.driver.settings import (
+    backbone,
+    backbone_findings,
+    doubtful_findings,
+    settings_findings,
+)
 from tiloilc.label import compile_predicates
 from tiloilc.ltl import Parsed, parse
 from tiloilc.plan import Stages, importable, stage_findings, stage_plan
@@ -77,7 +82,7 @@ def analyse(path: str | os.PathLike[str], given: DemoSet | None = None) -> Analy
     if asked is not None and spec is not None:
         findings.add(_fit(spec, asked, document))
         if ldba is not None and stages is not None:
-            tabular = _backbone(spec, asked) == "tabular"
+            tabular = backbone(spec.train, asked) == "tabular"
             findings.add(
                 doubtful_findings(
                     spec.train,
@@ -157,13 +162,6 @@ def _environment(document: Document, spec: Spec | None) -> Environment | None:
     return None if document.has("environment", "kwargs") else Environment(id=name, horizon=1)
 
 
-def _backbone(spec: Spec, asked: Asked) -> str:
-    """What learns: the table or the networks."""
-    if spec.train.backbone == "auto":
-        return "tabular" if asked.finite else "sac"
-    return spec.train.backbone
-
-
 def _fit(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
     """JOB601, JOB604, JOB608 and SPEC120."""
     found = []
@@ -171,18 +169,12 @@ def _fit(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
         span = document.span("environment", "id")
         help = "draw all randomness from `self.np_random`"
         found.append(Diagnostic.of("JOB601", span, environment=spec.environment.id, help=help))
-    backbone = _backbone(spec, asked)
-    if backbone == "sac" and asked.discrete:
-        given = document.has("train", "backbone")
-        span = document.span("train", "backbone") if given else document.span("environment", "id")
-        spaces = {"seen": str(asked.observation_space), "actions": str(asked.action_space)}
-        help = "use a Box of actions, or fewer and whole-numbered observations"
-        found.append(Diagnostic.of("JOB608", span, backbone=backbone, help=help, **spaces))
-    if backbone == "tabular" and not asked.finite:
-        span = document.span("train", "backbone")
-        problem = "tabular learning needs whole-numbered observations and Discrete actions"
-        help = "use `sac`, or `auto`"
-        found.append(Diagnostic.of("JOB604", span, setting="backbone", problem=problem, help=help))
+
+    def place(name: str) -> Span:
+        given = document.has("train", name)
+        return document.span("train", name) if given else document.span("environment", "id")
+
+    found += backbone_findings(spec.train, asked, place)
     for name, (start, stop) in spec.fields.items():
         if stop > asked.dimensions:
             span = document.span("observation", name)

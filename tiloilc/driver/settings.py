@@ -7,6 +7,7 @@ from importlib.metadata import entry_points
 
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import Diagnostic, Span, did_you_mean
+from tiloilc.driver.environment import Asked
 from tiloilc.plan import Stages
 from tiloilc.spec.settings import ALGORITHM_GROUP, ALGORITHMS, Settings
 
@@ -14,13 +15,15 @@ MAX_BETA = 0.5
 """Below it a later stage always pays more than an earlier one (paper, below Eq. 8)."""
 
 
+Place = Callable[[str], Span | None]
+"""Where a setting is given."""
+
+
 def _nowhere(name: str) -> Span | None:
     return None
 
 
-def settings_findings(
-    settings: Settings, place: Callable[[str], Span | None] = _nowhere
-) -> Iterator[Diagnostic]:
+def settings_findings(settings: Settings, place: Place = _nowhere) -> Iterator[Diagnostic]:
     """PLAN404, JOB604, JOB609 and JOB610; `place` is where a setting is given."""
     yield from _algorithm_findings(settings.algorithm, place)
     if settings.beta >= MAX_BETA:
@@ -43,7 +46,7 @@ def settings_findings(
         yield _bad("end_on_sink", problem, "set `exact_entry: true`", place)
 
 
-def _algorithm_findings(name: str, place: Callable[[str], Span | None]) -> Iterator[Diagnostic]:
+def _algorithm_findings(name: str, place: Place) -> Iterator[Diagnostic]:
     """JOB610 where neither this package nor an installed one has the algorithm `name`."""
     if name in ALGORITHMS:
         return
@@ -54,13 +57,33 @@ def _algorithm_findings(name: str, place: Callable[[str], Span | None]) -> Itera
         yield Diagnostic.of("JOB610", place("algorithm"), name=name, problem=problem, help=help)
 
 
+def backbone_findings(
+    settings: Settings, asked: Asked, place: Place = _nowhere
+) -> Iterator[Diagnostic]:
+    """JOB604 and JOB608 where the backbone cannot learn in the environment's spaces."""
+    if backbone(settings, asked) == "sac" and asked.discrete:
+        spaces = {"seen": str(asked.observation_space), "actions": str(asked.action_space)}
+        help = "use a Box of actions, or fewer and whole-numbered observations"
+        yield Diagnostic.of("JOB608", place("backbone"), backbone="sac", help=help, **spaces)
+    if backbone(settings, asked) == "tabular" and not asked.finite:
+        problem = "tabular learning needs whole-numbered observations and Discrete actions"
+        yield _bad("backbone", problem, "use `sac`, or `auto`", place)
+
+
+def backbone(settings: Settings, asked: Asked) -> str:
+    """What learns: the table or the networks."""
+    if settings.backbone == "auto":
+        return "tabular" if asked.finite else "sac"
+    return settings.backbone
+
+
 def doubtful_findings(
     settings: Settings,
     ldba: Ldba,
     stages: Stages,
     entropy: float = 0.0,
     tabular: bool = True,
-    place: Callable[[str], Span | None] = _nowhere,
+    place: Place = _nowhere,
 ) -> Iterator[Diagnostic]:
     """JOB605 for settings under which what pays best is not what is asked for.
 
@@ -96,11 +119,9 @@ def doubtful_findings(
         yield _doubtful("tau", problem, "0.005 is usual", place)
 
 
-def _doubtful(
-    setting: str, problem: str, help: str, place: Callable[[str], Span | None]
-) -> Diagnostic:
+def _doubtful(setting: str, problem: str, help: str, place: Place) -> Diagnostic:
     return Diagnostic.of("JOB605", place(setting), setting=setting, problem=problem, help=help)
 
 
-def _bad(setting: str, problem: str, help: str, place: Callable[[str], Span | None]) -> Diagnostic:
+def _bad(setting: str, problem: str, help: str, place: Place) -> Diagnostic:
     return Diagnostic.of("JOB604", place(setting), setting=setting, problem=problem, help=help)

@@ -254,10 +254,10 @@ def _by_mujoco(single: gym.Env[Any, Any]) -> bool:
 
 
 def _cores() -> int:
-    """The processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    """The processors that this process may use, and no more than `OMP_NUM_THREADS` says."""
+    able = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    wanted = os.environ.get("OMP_NUM_THREADS", "")
+    return min(able or 1, int(wanted) if wanted.isdecimal() and int(wanted) else able or 1)
 
 
 def _import_module_of(name: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import types
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import ValidationError
@@ -42,19 +43,32 @@ _LIMITS = {
 }
 
 
-def model_findings(error: ValidationError, root: Node) -> Iterator[Diagnostic]:
+@dataclass(frozen=True, slots=True)
+class Form:
+    """What a file must be like, and what such a file is called."""
+
+    model: type[Model]
+    called: str
+
+
+TASK_FILE = Form(Spec, "a task file")
+
+
+def model_findings(
+    error: ValidationError, root: Node, form: Form = TASK_FILE
+) -> Iterator[Diagnostic]:
     """One finding for each value or key that the model refuses."""
     wrong: dict[Location, list[ErrorDetails]] = {}
     errors = error.errors(include_url=False)
     unknown = [_path(root, e["loc"]) for e in errors if e["type"] == "extra_forbidden"]
-    yield from (_unknown(root, path) for path in unknown)
-    meant = {(*path[:-1], _meant(path)) for path in unknown}
+    yield from (_unknown(root, path, form) for path in unknown)
+    meant = {(*path[:-1], _meant(path, form)) for path in unknown}
     for detail in errors:
         path = _path(root, detail["loc"])
         if detail["type"] == "missing":
             key = str(detail["loc"][-1])
             if (*path, key) not in meant:  # a misspelt key is one finding, not two
-                yield _missing(root, path, key)
+                yield _missing(root, path, key, form)
         elif detail["type"] == "extra_forbidden":
             continue
         elif detail["loc"][-1:] == ("[key]",):
@@ -102,9 +116,9 @@ def key_place(root: Node, path: Location) -> Span:
     return Span(file, line, column, line, column + 1)
 
 
-def known_keys(path: Location) -> Mapping[str, FieldInfo]:
+def known_keys(path: Location, model: type[Model] = Spec) -> Mapping[str, FieldInfo]:
     """The keys that the model knows in the mapping at `path`."""
-    kinds: list[object] = [Spec]
+    kinds: list[object] = [model]
     for part in path:
         kinds = [below for kind in kinds for below in _below(kind, part)]
     return {
@@ -154,8 +168,8 @@ def _dotted(path: Iterable[str | int]) -> str:
     return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path).removeprefix(".")
 
 
-def _missing(root: Node, path: Location, key: str) -> Diagnostic:
-    field = known_keys(path).get(key)
+def _missing(root: Node, path: Location, key: str, form: Form) -> Diagnostic:
+    field = known_keys(path, form.model).get(key)
     meaning = f" ({field.description})" if field is not None and field.description else ""
     return Diagnostic.of(
         "SPEC102",
@@ -166,22 +180,22 @@ def _missing(root: Node, path: Location, key: str) -> Diagnostic:
     )
 
 
-def _unknown(root: Node, path: Location) -> Diagnostic:
-    parent, guess = path[:-1], _meant(path)
-    known = list(known_keys(parent))
+def _unknown(root: Node, path: Location, form: Form) -> Diagnostic:
+    parent, guess = path[:-1], _meant(path, form)
+    known = list(known_keys(parent, form.model))
     listing = f"known: {', '.join(known)}" if len(known) <= MAX_LISTED else ""
     return Diagnostic.of(
         "SPEC101",
         key_place(root, path),
         key=_dotted(path),
-        label="not a key of " + (f"`{_dotted(parent)}`" if parent else "a task file"),
+        label="not a key of " + (f"`{_dotted(parent)}`" if parent else form.called),
         help=f"did you mean `{guess}`?" if guess else listing,
     )
 
 
-def _meant(path: Location) -> str | None:
+def _meant(path: Location, form: Form) -> str | None:
     """The known key that an unknown one resembles."""
-    return nearest(str(path[-1]), known_keys(path[:-1]))
+    return nearest(str(path[-1]), known_keys(path[:-1], form.model))
 
 
 def _bad_name(root: Node, path: Location) -> Diagnostic:

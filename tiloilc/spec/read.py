@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
+from typing import TypeVar
 
 from pydantic import ValidationError
 
 from tiloilc.diag import CompileError, Diagnostic, Severity, SourceText, Span
+from tiloilc.spec.base import Model
 from tiloilc.spec.compose import compose
 from tiloilc.spec.model import Spec
 from tiloilc.spec.nodes import (
@@ -24,7 +26,7 @@ from tiloilc.spec.nodes import (
     is_empty,
     scalar_value,
 )
-from tiloilc.spec.problems import key_place, model_findings, place_of
+from tiloilc.spec.problems import TASK_FILE, Form, key_place, model_findings, place_of
 
 MAX_PROPOSITIONS = 62
 """A letter is the bits of one signed 64-bit integer, and one bit is kept free."""
@@ -37,6 +39,9 @@ _ALTERNATIVES = (
     (("demonstrations",), ("source", "file", "minari")),
 )
 """In these mappings exactly one of these keys is needed."""
+
+Read = TypeVar("Read", bound=Model)
+"""What a file is read as."""
 
 _CONSTANTS = frozenset({"true", "false", "0", "1"})
 
@@ -107,32 +112,52 @@ def examine_spec(
     another section is misspelt. Raises CompileError only where there is no mapping to look at.
     """
     file = PurePath(path).as_posix()
-    return examine_text(_text(Path(path), file), file)
+    return examine_text(file_text(path), file)
 
 
 def examine_text(text: str, file: str) -> tuple[Document, Spec | None, tuple[Diagnostic, ...]]:
     """Like `examine_spec`, of a text that is already at hand; `file` names it."""
+    document, findings = read_document(text, file)
+    return examine_document(document, Spec, TASK_FILE, [*findings, *_own_findings(document.root)])
+
+
+def read_document(
+    text: str, file: str, form: Form = TASK_FILE
+) -> tuple[Document, list[Diagnostic]]:
+    """The tree of a file that has the form of a mapping, and what is wrong with its YAML.
+
+    Raises CompileError SPEC100, SPEC104, SPEC106 or SPEC109.
+    """
     root, findings = compose(Source(text, file))
     if not isinstance(root, MappingNode):
         kind = "an empty file" if _nothing(root) else "a single value"
         span = root.span if root is not None else Span(file, 1, 1, 1, 2)
         kind = "a list" if isinstance(root, SequenceNode) else kind
-        raise CompileError(*findings, Diagnostic.of("SPEC106", span, kind=kind))
-    document = Document(Path(file), file, text, root)
-    spec: Spec | None = None
-    found = [*findings, *_own_findings(root)]
+        about = {"form": form.called, "kind": kind}
+        raise CompileError(*findings, Diagnostic.of("SPEC106", span, **about))
+    return Document(Path(file), file, text, root), findings
+
+
+def examine_document(
+    document: Document, model: type[Read], form: Form, found: Sequence[Diagnostic]
+) -> tuple[Document, Read | None, tuple[Diagnostic, ...]]:
+    """The document as its model, and all findings; what was `found` is not said in other words."""
+    read: Read | None = None
+    findings = list(found)
     try:
-        spec = Spec.model_validate(_plain(root, ()))
+        read = model.model_validate(_plain(document.root, ()))
     except ValidationError as error:
-        said = {(f.span.line, f.span.column) for f in found if f.span}
-        for finding in model_findings(error, root):
+        said = {(f.span.line, f.span.column) for f in findings if f.span}
+        for finding in model_findings(error, document.root, form):
             place = finding.span
             if finding.code != "SPEC103" or place is None or (place.line, place.column) not in said:
-                found.append(finding)
-    return document, spec, tuple(sorted(dict.fromkeys(found), key=Diagnostic.sort_key))
+                findings.append(finding)
+    return document, read, tuple(sorted(dict.fromkeys(findings), key=Diagnostic.sort_key))
 
 
-def _text(path: Path, file: str) -> str:
+def file_text(path: str | os.PathLike[str]) -> str:
+    """The text of a YAML file. Raises CompileError SPEC105."""
+    path, file = Path(path), PurePath(path).as_posix()
     try:
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:

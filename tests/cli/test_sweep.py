@@ -1,0 +1,200 @@
+"""`tiloilc sweep` from the command line: what it lists, prints, refuses and goes on with."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.cli.running import Run, runner
+from tests.sweep.made import experiments, records_of, task
+from tiloilc.evaluate import Record, append, read
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    return runner(capsys)
+
+
+def recorded(path: Path, seeds: range, **options: object) -> None:
+    """Have the seeds of an experiment recorded in results/."""
+    (one,) = experiments(path, **options)
+    append(one.records, records_of(one, seeds))
+
+
+def test_a_dry_run_lists_the_jobs_and_what_is_recorded(workdir: Path, run: Run) -> None:
+    recorded(task(workdir), range(1), settings={"beta": 0.25}, seeds=2)
+    changes = ("--set", "beta=1/4", "--seeds", 2, "--algorithms", "tiloil,cloning")
+    status, out, err = run("sweep", "corridor.yaml", *changes, "--dry-run")
+    assert status == 0
+    assert out.splitlines() == [
+        "to do    corridor  cloning beta=0.25  seeds 0–1  400 steps",
+        "to do    corridor  tiloil beta=0.25  seed 1  400 steps",
+        "recorded corridor  tiloil beta=0.25  1 of 2 seeds",
+    ]
+    assert "1 of 4 seeds are recorded; 2 jobs to do" in err
+    assert not Path("runs").exists()
+
+
+def test_what_is_recorded_is_not_done_again(workdir: Path, run: Run) -> None:
+    recorded(task(workdir), range(2))
+    status, out, _ = run("sweep", "corridor.yaml", "-q")
+    assert status == 0
+    assert out.splitlines()[1].split()[:4] == ["corridor", "tiloil", "400", "2"]
+    assert not Path("runs").exists()
+
+
+def test_records_from_elsewhere_are_taken_over_and_count(workdir: Path, run: Run) -> None:
+    path = task(workdir)
+    (one,) = experiments(path, records="away/{name}.jsonl.gz")
+    append(Path("away/corridor.jsonl.gz"), records_of(one, range(1)))
+    append(Path("more.jsonl"), records_of(one, range(2)))
+    assert run("sweep", "--merge", "away", "--records", "kept", "-q") == (0, "", "")
+    assert len(read(Path("kept/corridor.jsonl.gz"))) == 1
+    status, out, err = run("sweep", path, "--merge", "away", "--merge", "more.jsonl")
+    assert status == 0
+    assert "corridor.jsonl.gz has 3 records" in err  # seed 0 by two plans: alone, and with seed 1
+    assert out.splitlines()[1].split()[3] == "2"  # and counted once
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "name task files"),
+        (["corridor.yaml", "--set", "bta=1"], "no setting `bta`"),
+        (["corridor.yaml", "--set", "seeds=1"], "--seeds"),
+        (["corridor.yaml", "--set", "beta=-1"], "at least 0"),
+        (["corridor.yaml", "--engine", "rai"], "local, ray, slurm"),
+        (["corridor.yaml", "--same", "x"], "plan, commit, spec"),
+        (["corridor.yaml", "--engine-set", "x=1"], "Ray and Slurm"),
+        (["none.yaml"], "none.yaml"),
+    ],
+)
+def test_a_wrong_option_is_a_usage_error(
+    workdir: Path, run: Run, arguments: list[str], words: str
+) -> None:
+    task(workdir)
+    status, out, err = run("sweep", *arguments)
+    assert (status, out) == (2, "")
+    assert words in err
+
+
+def test_a_mistake_in_the_last_is_told_before_the_first_begins(workdir: Path, run: Run) -> None:
+    task(workdir, "a")
+    task(workdir, "b", formula='formula: "F q"')
+    status, out, err = run("sweep", "a.yaml", "b.yaml", "--algorithms", "tiloil,gibtsnicht")
+    assert (status, out) == (1, "")
+    assert "LTL203" in err
+    assert "JOB610" in err
+    assert not Path("runs").exists()
+
+
+def started(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    """A sweep as a program in a process group of its own."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "tiloilc", "sweep", *arguments],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path.cwd()), *sys.path])},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def until(there: str, folder: Path, process: subprocess.Popen[str]) -> None:
+    """Wait until a file of this pattern is there, with something in it."""
+    while not any(path.stat().st_size for path in folder.glob(there)):
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.01)
+
+
+@pytest.mark.slow
+def test_a_failed_job_does_not_stop_the_others_and_is_told_with_its_command(
+    workdir: Path, run: Run
+) -> None:
+    task(workdir, "good")
+    bad = task(workdir, "bad", propositions='propositions:\n  w: {python: "labels.py:w"}')
+    Path("labels.py").write_text(
+        "import os\n\n\ndef w(observations):\n"
+        "    if os.environ.get('OMP_NUM_THREADS') == '1' and 'sweep' in os.getcwd():\n"
+        "        raise RuntimeError('out of order')\n"
+        "    return observations[:, 0] > 99\n"
+    )
+    bad.write_text(bad.read_text().replace("& G !z", "& G !z & G !w"))
+    status, out, err = run("sweep", "bad.yaml", "good.yaml", "--workers", 1)
+    assert status == 1
+    rows = {line.split()[0]: line.split()[3] for line in out.splitlines()[1:]}
+    assert rows == {"bad": "0", "good": "2"}
+    assert "out of order" in err
+    assert "tiloilc run bad.yaml --seeds 2 --set first_seed=0 --record" in err
+    assert "1 of 2 jobs failed" in err
+
+
+LONG = (
+    *("corridor.yaml", "--algorithms", "tiloil,cloning", "--seeds-per-job", "1"),
+    *("--steps", "4000", "--set", "learning_starts=2000"),
+)
+
+
+def same_part(record: Record) -> dict[str, object]:
+    """All of a record but how long it took, which no two runs have in common."""
+    return {key: value for key, value in record.fields.items() if key != "wall_seconds"}
+
+
+@pytest.mark.slow
+def test_a_sweep_killed_at_any_moment_ends_like_one_that_never_was(tmp_path: Path) -> None:
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    for folder in (whole, killed):
+        folder.mkdir()
+        task(folder)
+    process = started(whole, *LONG)
+    table, _ = process.communicate(timeout=600)
+    assert process.returncode == 0
+    process = started(killed, *LONG)
+    until("runs/sweep/jobs/*/runs/*/*/checkpoints/*.json", killed, process)
+    jobs = children(process.pid)
+    assert jobs
+    os.killpg(process.pid, signal.SIGKILL)
+    for job in jobs:  # the first time all dies at once
+        os.kill(job, signal.SIGKILL)
+    process.communicate()
+    process = started(killed, *LONG)
+    until("results/*.gz", killed, process)
+    os.killpg(process.pid, signal.SIGKILL)  # the second time its jobs are left to find out
+    process.communicate()
+    process = started(killed, *LONG, "--quiet")
+    again, said = process.communicate(timeout=600)
+    assert (process.returncode, said) == (0, "")
+    assert again == table
+    records = [read(folder / "results/corridor.jsonl.gz") for folder in (whole, killed)]
+    assert [same_part(r) for r in records[0]] == [same_part(r) for r in records[1]]
+    assert len(records[0]) == 4
+
+
+@pytest.mark.slow
+def test_an_interrupted_sweep_lets_its_jobs_write_checkpoints(tmp_path: Path) -> None:
+    task(tmp_path)
+    options = ("--steps", "1_000_000", "--set", "checkpoint_every=1_000_000", "--seeds", "1")
+    process = started(tmp_path, "corridor.yaml", *options)
+    until("runs/sweep/jobs/*/runs/*/*/events.jsonl", tmp_path, process)
+    os.kill(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=300)
+    assert (process.returncode, out) == (130, "")
+    assert "tiloilc sweep corridor.yaml" in err
+    assert list(tmp_path.glob("runs/sweep/jobs/*/runs/*/*/checkpoints/*.json"))
+    assert not children(process.pid)
+
+
+def children(pid: int) -> list[int]:
+    """The processes that a process has started."""
+    ps = shutil.which("ps")
+    assert ps is not None
+    found = subprocess.run([ps, "-o", "pid=", "--ppid", str(pid)], capture_output=True, text=True)
+    return [int(word) for word in found.stdout.split()]

@@ -1,0 +1,70 @@
+"""The process of one job: `tiloilc`, tied to who started it and alone in its folder.
+
+    python -m tiloilc.sweep.child FOLDER ARGUMENT…
+
+runs `tiloilc ARGUMENT…` in FOLDER. Its standard input is a pipe on which nothing is ever written:
+when the other end is closed, or whoever holds it is killed, the program interrupts itself, as by
+Ctrl-C, and so leaves a checkpoint. No sweep that was killed goes on behind the back of the next.
+"""
+
+from __future__ import annotations
+
+import os
+import runpy
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+RECORDS, RUNS = "records.jsonl.gz", "runs"
+"""What a job leaves in its folder: its records when it is done, and its run."""
+
+GRACE = 120.0
+"""Seconds for a last checkpoint, after which the process ends whatever it does."""
+
+
+def main(folder: Path, arguments: list[str]) -> None:
+    """Do the job, or go on with it, unless another process has done it meanwhile."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    with alone(folder):
+        if (folder / RECORDS).is_file():
+            return
+        resume = ["--resume"] if any((folder / RUNS).glob("*/*/plan.json")) else []
+        sys.argv = ["tiloilc", *arguments, *resume]
+        runpy.run_module("tiloilc", run_name="__main__")
+
+
+def _end_with_parent() -> None:
+    while os.read(0, 1):
+        continue
+    signal.raise_signal(signal.SIGINT) if os.name == "nt" else signal.pthread_kill(
+        threading.main_thread().ident or 0, signal.SIGINT
+    )
+    time.sleep(GRACE)
+    os._exit(130)
+
+
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Wait until no other process works in the folder, where the system has such locks."""
+    try:
+        import fcntl
+    except ImportError:  # pragma: no cover - Windows
+        yield
+        return
+    handle = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+if __name__ == "__main__":
+    try:
+        main(Path(sys.argv[1]), sys.argv[2:])
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -1,0 +1,112 @@
+"""The sweep itself: what is left to do is done by an engine and recorded as it comes in."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from tiloilc.driver import plan_file, write_build
+from tiloilc.evaluate import append
+from tiloilc.plan import digest
+from tiloilc.sweep.child import RECORDS
+from tiloilc.sweep.engine import Engine, Event
+from tiloilc.sweep.experiments import Experiment, Job
+from tiloilc.sweep.work import Outcome, Work, arguments, left, records_of
+
+JOBS, BUILDS = "jobs", "builds"
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Experiments with the jobs that are left of them, and the folder in which they are done."""
+
+    experiments: Sequence[Experiment]
+    jobs: Sequence[Job]
+    folder: Path
+
+    def job_folder(self, job: Job) -> Path:
+        """Where a job is done."""
+        return self.folder / JOBS / job.id
+
+    def command(self, job: Job) -> list[str]:
+        """The command that does a job alone, in a run folder of its own."""
+        one = self.experiments[job.number]
+        record = ["--record", one.records.as_posix()]
+        return ["tiloilc", "run", one.spec.as_posix(), *arguments(job.changes), *record]
+
+
+def collect(sweep: Sweep) -> list[Job]:
+    """Record what jobs left that had ended when the sweep before was killed; the jobs left."""
+    remaining = []
+    for job in sweep.jobs:
+        folder = sweep.job_folder(job)
+        if not (folder / RECORDS).is_file():
+            remaining.append(job)
+            continue
+        problem = _record(sweep, job, Outcome(job.id, left(folder), "", (), 0.0))
+        assert not problem, problem
+    return remaining
+
+
+def carry_out(
+    sweep: Sweep, engine: Engine, watch: Callable[[Event], None]
+) -> Mapping[str, Outcome]:
+    """Do all jobs; the outcomes of those that failed, by the jobs' ids."""
+    builds = _write_builds(sweep)
+    works = [
+        Work(
+            job.id,
+            str(sweep.job_folder(job).resolve()),
+            str(builds[job.number].resolve()),
+            arguments(job.changes),
+            job.cost,
+        )
+        for job in sweep.jobs
+    ]
+    jobs = {job.id: job for job in sweep.jobs}
+    failed = {}
+    events = engine.results(works)
+    try:
+        for event in events:
+            if isinstance(event, Outcome):
+                problem = event.problem or _record(sweep, jobs[event.id], event)
+                if problem:
+                    event = Outcome(event.id, (), problem, event.tail, event.seconds)
+                    failed[event.id] = event
+            watch(event)
+    finally:
+        close = getattr(events, "close", None)
+        if close is not None:
+            close()
+    return failed
+
+
+def _record(sweep: Sweep, job: Job, outcome: Outcome) -> str:
+    """Add a job's records to their file; else what is wrong with them."""
+    one, records = sweep.experiments[job.number], records_of(outcome)
+    wanted = digest(one.plan_of(job.seeds))
+    if any(record.fields.get("plan_digest") != wanted for record in records):
+        return "its records are of another plan"
+    if sorted(str(record.fields.get("seed")) for record in records) != sorted(map(str, job.seeds)):
+        return "its records are not of its seeds"
+    append(one.records, records)
+    return ""
+
+
+def _write_builds(sweep: Sweep) -> dict[int, Path]:
+    """The compiled task of each experiment that has jobs, so that no job compiles it again."""
+    written: dict[int, Path] = {}
+    known: dict[str, Path] = {}
+    for number in sorted({job.number for job in sweep.jobs}):
+        task = sweep.experiments[number].task
+        key = hashlib.sha256(f"{task.plan.root}{os.sep}{digest(task.plan)}".encode()).hexdigest()
+        if key not in known:
+            known[key] = sweep.folder / BUILDS / f"{task.plan.name}-{key[:12]}"
+            known[key].mkdir(parents=True, exist_ok=True)
+            if not plan_file(known[key]).is_file():  # the plan is written last
+                write_build(task, known[key])
+        written[number] = known[key]
+    return written

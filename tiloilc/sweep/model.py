@@ -1,0 +1,83 @@
+"""The sweep file as typed, frozen models: which specs, with which settings, on which seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Annotated, Any
+
+from pydantic import Field, create_model
+from pydantic.fields import FieldInfo
+
+from tiloilc.spec.base import Model, Whole
+from tiloilc.spec.problems import Form
+from tiloilc.spec.settings import Settings, Steps
+
+OWN = ("seeds", "first_seed")
+"""Settings that say which agents there are, not what they are: they hold for a whole sweep."""
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
+
+
+def _partial(name: str, about: str, kind: Callable[[FieldInfo], object]) -> type[Model]:
+    """A model with the settings of training, none of them needed, each of another type."""
+    fields: dict[str, Any] = {}
+    for key, field in Settings.model_fields.items():
+        if key not in OWN:
+            free = Field(default=None, description=field.description)
+            fields[key] = (kind(field), free)
+    return create_model(name, __base__=Model, __doc__=about, **fields)
+
+
+def _value(field: FieldInfo) -> object:
+    """The type of a setting, with its limits."""
+    return Annotated[field.annotation, Field(), *field.metadata]
+
+
+Changes = _partial("Changes", "Settings that differ from the task file's.", _value)
+Grid = _partial(
+    "Grid",
+    "Values that settings take in turn.",
+    lambda field: Annotated[list[_value(field)], Field(min_length=1)],  # type: ignore[misc]
+)
+
+
+class Sweep(Model):
+    """Specs × algorithms × sets of settings × seeds."""
+
+    description: str = Field(default="", description="what the sweep is for")
+    specs: list[Annotated[str, Field(min_length=1)]] = Field(
+        min_length=1, description="task files, or patterns like `specs/grid_*.yaml`"
+    )
+    algorithms: list[Annotated[str, Field(pattern=NAME)]] | None = Field(
+        default=None, min_length=1, description="each with every spec; else the spec's own"
+    )
+    steps: Steps | None = Field(default=None, description="instead of the specs' own")
+    seeds: Annotated[int, *Settings.model_fields["seeds"].metadata] | None = Field(
+        default=None, description="instead of the specs' own"
+    )
+    first_seed: Annotated[int, *Settings.model_fields["first_seed"].metadata] | None = Field(
+        default=None, description="instead of the specs' own"
+    )
+    seeds_per_job: Whole | None = Field(
+        default=None, gt=0, description="seeds trained together in one program; else all"
+    )
+    overrides: list[Changes] = Field(  # type: ignore[valid-type]
+        default_factory=list, description="sets of settings, each with every spec and algorithm"
+    )
+    grid: Grid | None = Field(  # type: ignore[valid-type]
+        default=None, description="values of settings, every combination with every set"
+    )
+    records: str | None = Field(
+        default=None,
+        min_length=1,
+        description="a folder, or a pattern with {name}, {algorithm} that ends in .jsonl.gz",
+    )
+
+
+SWEEP_FILE = Form(Sweep, "a sweep file")
+
+
+def given(changes: Model) -> Mapping[str, object]:
+    """What a set of settings gives, as plain values."""
+    return MappingProxyType(changes.model_dump(mode="json", exclude_unset=True))

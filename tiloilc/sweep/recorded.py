@@ -1,0 +1,119 @@
+"""What is recorded already, and records from elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from enum import StrEnum
+from functools import cache
+from pathlib import Path
+
+from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.evaluate import Record, append, read
+from tiloilc.plan import digest
+from tiloilc.spec.settings import PRESETS
+from tiloilc.sweep.experiments import Experiment, record_file
+from tiloilc.sweep.model import OWN
+
+
+class Same(StrEnum):
+    """What a record must have in common with what is asked for, so that its seed is done."""
+
+    PLAN = "plan"
+    COMMIT = "commit"
+    SPEC = "spec"
+
+
+def recorded(
+    experiments: Sequence[Experiment], same: Same, commit: str | None
+) -> list[dict[int, Record]]:
+    """Of each experiment the records of its seeds, one a seed, from the files it is kept in.
+
+    A record is of the same plan if its plan differs in nothing but which seeds were trained
+    together; of the same spec if task file, steps and settings are the same, whatever has become
+    of this program. Where several commits made one seed, the one of `commit` counts, else the last
+    in the order of records. Raises CompileError RUN701 for a damaged file.
+    """
+    files: dict[Path, list[Record]] = {}
+    found = []
+    for one in experiments:
+        if one.records not in files:
+            files[one.records] = read(one.records) if one.records.exists() else []
+        found.append(_of(one, files[one.records], same, commit))
+    return found
+
+
+def _of(
+    one: Experiment, records: Iterable[Record], same: Same, commit: str | None
+) -> dict[int, Record]:
+    spec = next((v for k, v in one.plan.digests.items() if k.startswith("spec:")), None)
+    wanted = {
+        "name": one.plan.name,
+        "algorithm": one.settings.algorithm,
+        "preset": one.settings.preset,
+        "interrupted": False,
+    }
+    settings = _without_seeds(one.settings.overrides())
+
+    @cache
+    def digest_of(seeds: range) -> str:
+        return digest(one.plan_of(seeds))
+
+    kept: dict[int, Record] = {}
+    own: set[int] = set()
+    for record in records:
+        fields = record.fields
+        seed, overrides = fields.get("seed"), fields.get("overrides")
+        if not isinstance(seed, int) or seed not in one.seeds or not isinstance(overrides, dict):
+            continue
+        if any(fields.get(key) != value for key, value in wanted.items()):
+            continue
+        if same is Same.SPEC:
+            alike = fields.get("spec_digest") == spec and _without_seeds(overrides) == settings
+            alike = alike and fields.get("steps") == one.settings.steps
+        else:
+            alike = fields.get("plan_digest") == digest_of(_trained(overrides, one))
+        ours = fields.get("git_commit") == commit
+        if alike and (ours or same is not Same.COMMIT) and (ours or seed not in own):
+            kept[seed] = record
+            own |= {seed} if ours else set()
+    return kept
+
+
+def _trained(overrides: Mapping[str, object], one: Experiment) -> range:
+    """The seeds that were trained together with a record's."""
+    preset = PRESETS[one.settings.preset]
+    count, first = (overrides.get(key, preset[key]) for key in OWN)
+    if not isinstance(count, int) or not isinstance(first, int):
+        return one.seeds
+    return range(first, first + count)
+
+
+def _without_seeds(overrides: Mapping[str, object]) -> dict[str, object]:
+    return {key: _plain(value) for key, value in overrides.items() if key not in OWN}
+
+
+def _plain(value: object) -> object:
+    return list(value) if isinstance(value, tuple) else value
+
+
+def merge(paths: Sequence[Path], pattern: str) -> dict[Path, int]:
+    """Add the records of files and folders to those of `pattern`; how many each file then has.
+
+    Raises CompileError RUN701 if there is no such file, or one is damaged; then nothing is added.
+    """
+    parts: dict[Path, list[Record]] = {}
+    for record in read(*(file for path in paths for file in _files(path))):
+        fields = record.fields
+        file = record_file(pattern, str(fields.get("name")), str(fields.get("algorithm")))
+        parts.setdefault(file, []).append(record)
+    return {file: append(file, records) for file, records in sorted(parts.items())}
+
+
+def _files(path: Path) -> list[Path]:
+    if not path.is_dir():
+        return [path]
+    found = sorted([*path.glob("*.jsonl.gz"), *path.glob("*.jsonl")])
+    if not found:
+        problem = "the folder has no *.jsonl.gz"
+        raise CompileError(Diagnostic.of("RUN701", path=path.as_posix(), problem=problem))
+    return found

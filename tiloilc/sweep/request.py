@@ -1,0 +1,223 @@
+"""What is asked for: by sweep files, by spec paths and options, or by both."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from glob import glob, has_magic
+from itertools import product
+from pathlib import Path
+
+from tiloilc.diag import CompileError, Diagnostic, Severity, Span
+from tiloilc.spec.base import Model
+from tiloilc.spec.read import Document, examine_document, file_text, read_document
+from tiloilc.sweep.model import SWEEP_FILE, Sweep, given
+
+RECORDS = "results"
+"""The folder in which records are kept, unless told otherwise."""
+
+_OURS = re.compile(r"^(?:specs|algorithms|overrides|grid|seeds_per_job)[ \t]*:", re.MULTILINE)
+_TASKS = re.compile(r"^(?:environment|propositions|formula)[ \t]*:", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One set of settings, and where in a sweep file each of them is given."""
+
+    settings: Mapping[str, object]
+    places: Mapping[str, Span]
+
+
+@dataclass(frozen=True)
+class Request:
+    """Specs × variants × seeds. What is None is as the spec says; `records` is a pattern."""
+
+    specs: tuple[Path, ...]
+    variants: tuple[Variant, ...]
+    seeds: int | None = None
+    first_seed: int | None = None
+    seeds_per_job: int | None = None
+    records: str = RECORDS
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line gives: it takes the place of what a sweep file says."""
+
+    algorithms: tuple[str, ...] = ()
+    settings: Mapping[str, object] = field(default_factory=dict)
+    seeds: int | None = None
+    first_seed: int | None = None
+    seeds_per_job: int | None = None
+    records: str | None = None
+
+
+def requests(paths: Sequence[Path], options: Options) -> list[Request]:
+    """The request of each sweep file among `paths`, and one for all task files.
+
+    Raises CompileError with what is wrong with sweep files.
+    """
+    texts = {path: file_text(path) for path in dict.fromkeys(paths)}
+    found, errors = [], list[Diagnostic]()
+    for path, text in texts.items():
+        if not is_sweep(text):
+            continue
+        try:
+            found.append(of_file(path, text, options))
+        except CompileError as error:
+            errors += error.diagnostics
+    if errors:
+        raise CompileError(*errors)
+    specs = tuple(path for path, text in texts.items() if not is_sweep(text))
+    if specs:
+        found.append(of_specs(specs, options))
+    return found
+
+
+def is_sweep(text: str) -> bool:
+    """Whether a text is meant as a sweep file, not as a task file; also where it is no YAML."""
+    return bool(_OURS.search(text)) and not _TASKS.search(text)
+
+
+def of_specs(specs: tuple[Path, ...], options: Options) -> Request:
+    """The request of task files and options alone."""
+    return Request(
+        specs,
+        tuple(_variants([Variant({}, {})], options.algorithms, options)),
+        options.seeds,
+        options.first_seed,
+        options.seeds_per_job,
+        options.records or RECORDS,
+    )
+
+
+def of_file(path: Path, text: str, options: Options = Options()) -> Request:
+    """The request of a sweep file. Raises CompileError with all that is wrong with it."""
+    document, found = read_document(text, path.as_posix(), SWEEP_FILE)
+    _, sweep, findings = examine_document(document, Sweep, SWEEP_FILE, found)
+    if sweep is not None:
+        findings = (*findings, *_clashes(sweep, document))
+        specs, missing = _specs(sweep, document)
+        findings = (*findings, *missing)
+    if sweep is None or any(f.severity is Severity.ERROR for f in findings):
+        raise CompileError(*sorted(findings, key=Diagnostic.sort_key))
+    records = (path.parent / sweep.records).as_posix() if sweep.records else RECORDS
+    sets = _sets(sweep, document)
+    if sweep.steps is not None:
+        place = document.span("steps")
+        sets = [
+            Variant({"steps": sweep.steps, **s.settings}, {"steps": place, **s.places})
+            for s in sets
+        ]
+    algorithms = options.algorithms or tuple(sweep.algorithms or ())
+    return Request(
+        specs,
+        tuple(_variants(sets, algorithms, options, document)),
+        _either(options.seeds, sweep.seeds),
+        _either(options.first_seed, sweep.first_seed),
+        _either(options.seeds_per_job, sweep.seeds_per_job),
+        options.records or records,
+    )
+
+
+def _either(first: int | None, second: int | None) -> int | None:
+    return second if first is None else first
+
+
+def _variants(
+    sets: Sequence[Variant],
+    algorithms: Sequence[str],
+    options: Options,
+    document: Document | None = None,
+) -> Iterator[Variant]:
+    """Each set with each algorithm; one that names its own is run with that alone."""
+    spans = _listed(document, "algorithms") if document and not options.algorithms else {}
+    for one in sets:
+        own = {"algorithm"} & {*one.settings, *options.settings}
+        for algorithm in () if own else algorithms:
+            settings = {"algorithm": algorithm, **one.settings, **options.settings}
+            places = {**one.places, **({"algorithm": spans[algorithm]} if spans else {})}
+            yield Variant(settings, _without(places, options))
+        if own or not algorithms:
+            yield Variant({**one.settings, **options.settings}, _without(one.places, options))
+
+
+def _without(places: Mapping[str, Span], options: Options) -> Mapping[str, Span]:
+    """What the command line gives stands in no file."""
+    return {name: span for name, span in places.items() if name not in options.settings}
+
+
+def _listed(document: Document, key: str) -> dict[str, Span]:
+    spans: dict[str, Span] = {}
+    number = 0
+    while document.has(key, number):
+        spans.setdefault(document.value_text(key, number).value, document.span(key, number))
+        number += 1
+    return spans
+
+
+def _sets(sweep: Sweep, document: Document) -> list[Variant]:
+    """Every set of settings with every combination of the grid's values, as written."""
+    sets = [
+        Variant(given(one), {name: document.span("overrides", i, name) for name in given(one)})
+        for i, one in enumerate(sweep.overrides)
+    ]
+    axes = _axes(sweep.grid)
+    combined = []
+    for one in sets or [Variant({}, {})]:
+        for picks in product(*(range(len(values)) for values in axes.values())):
+            chosen = dict(zip(axes, picks, strict=True))
+            combined.append(
+                Variant(
+                    {**one.settings, **{name: axes[name][i] for name, i in chosen.items()}},
+                    {
+                        **one.places,
+                        **{name: document.span("grid", name, i) for name, i in chosen.items()},
+                    },
+                )
+            )
+    return combined
+
+
+def _axes(grid: Model | None) -> dict[str, list[object]]:
+    if grid is None:
+        return {}
+    return {name: values for name, values in given(grid).items() if isinstance(values, list)}
+
+
+def _clashes(sweep: Sweep, document: Document) -> Iterator[Diagnostic]:
+    """SPEC108 for a setting that a set and the grid both give."""
+    axes = _axes(sweep.grid)
+    for i, one in enumerate(sweep.overrides):
+        for name in given(one):
+            if name in axes:
+                place = document.key_span("grid", name)
+                yield Diagnostic.of(
+                    "SPEC108",
+                    document.key_span("overrides", i, name),
+                    problem=f"`overrides[{i}].{name}` and `grid.{name}` exclude each other",
+                    label=f"`grid` gives it in line {place.line}",
+                    help="keep one of the two",
+                )
+
+
+def _specs(sweep: Sweep, document: Document) -> tuple[tuple[Path, ...], list[Diagnostic]]:
+    """The task files that the patterns stand for, in the written order, each once."""
+    specs, findings = dict[Path, None](), list[Diagnostic]()
+    for i, pattern in enumerate(sweep.specs):
+        whole = str(document.path.parent / pattern)
+        matched = sorted(glob(whole, recursive=True)) if has_magic(pattern) else [whole]
+        files = [Path(name) for name in matched if Path(name).is_file()]
+        specs |= dict.fromkeys(files)
+        if not files:
+            findings.append(
+                Diagnostic.of(
+                    "SPEC103",
+                    document.span("specs", i),
+                    key=f"specs[{i}]",
+                    problem="matches no file" if has_magic(pattern) else "names no file",
+                    help="paths are relative to the sweep file",
+                )
+            )
+    return tuple(specs), findings
