@@ -22,10 +22,10 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
     return runner(capsys)
 
 
-def recorded(path: Path, seeds: range, **options: object) -> None:
+def recorded(path: Path, made: range, **options: object) -> None:
     """Have the seeds of an experiment recorded in results/."""
     (one,) = experiments(path, **options)
-    append(one.records, records_of(one, seeds))
+    append(one.records, records_of(one, made))
 
 
 def test_a_dry_run_lists_the_jobs_and_what_is_recorded(workdir: Path, run: Run) -> None:
@@ -34,8 +34,8 @@ def test_a_dry_run_lists_the_jobs_and_what_is_recorded(workdir: Path, run: Run) 
     status, out, err = run("sweep", "corridor.yaml", *changes, "--dry-run")
     assert status == 0
     assert out.splitlines() == [
-        "to do    corridor  cloning beta=0.25  seeds 0–1  400 steps",
         "to do    corridor  tiloil beta=0.25  seed 1  400 steps",
+        "to do    corridor  cloning beta=0.25  seeds 0–1  20 steps",
         "recorded corridor  tiloil beta=0.25  1 of 2 seeds",
     ]
     assert "1 of 4 seeds are recorded; 2 jobs to do" in err

@@ -27,7 +27,7 @@ import pytest
 
 from tests.e2e.conftest import Run
 
-COPIED = ("specs", "examples", "results", "tasks", "README.md", "pyproject.toml")
+COPIED = ("specs", "sweeps", "examples", "results", "tasks", "README.md", "pyproject.toml")
 """What of the checkout the commands find in their folder."""
 
 PAGES = (

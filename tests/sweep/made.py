@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from tiloilc.evaluate import Record, split_seeds
+from tiloilc.evaluate.protocol import steps_taken
 from tiloilc.plan import digest
 from tiloilc.sweep import Event, Experiment, Options, Outcome, Request, Started, check, requests
 from tiloilc.sweep.work import Work
@@ -44,7 +45,9 @@ def experiments(path: Path, **options: object) -> list[Experiment]:
     return check(asked(path, **options))[0]
 
 
-def records_of(one: Experiment, seeds: range, commit: str = "abc", **other: object) -> list[Record]:
+def records_of(
+    one: Experiment, seeds: range, /, commit: str = "abc", **other: object
+) -> list[Record]:
     """What a run of these seeds together leaves."""
     plan = one.plan_of(seeds)
     numbers = [float(seed) for seed in seeds]
@@ -55,7 +58,7 @@ def records_of(one: Experiment, seeds: range, commit: str = "abc", **other: obje
         "algorithm": plan.train.algorithm,
         "preset": plan.train.preset,
         "overrides": plan.train.overrides(),
-        "steps": plan.train.steps,
+        "steps": steps_taken(plan.train),
         "seeds": list(seeds),
         "greedy": judged,
         "optimum": {"accepting_visits": 5.0, "exact": True},

@@ -93,5 +93,5 @@ def test_the_table_has_a_row_for_each_experiment(sweep: Sweep) -> None:
     assert head.split() == [
         "task", "settings", "steps", "seeds", "accepting", "visits", "violations", "optimum",
     ]  # fmt: skip
-    assert row.split() == "corridor tiloil 400 3 of 4 2.00 ± 1.00 0.0% 5".split()
+    assert " ".join(row.split()) == "corridor tiloil 400 3 of 4 2.00 ± 1.00 0.0% 5"
     assert table([one], [{}]).splitlines()[1].split()[-3:] == ["–", "–", "–"]

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.sweep.made import experiments, records_of, task
@@ -106,6 +106,20 @@ def test_what_counts_as_done_can_be_the_plan_the_spec_or_the_commit(one: Experim
         assert recorded([one], Same.PLAN, commit)[0][4].fields["git_commit"] == commit
 
 
+def test_of_two_commits_of_others_the_later_counts(one: Experiment) -> None:
+    one.records.unlink(missing_ok=True)
+    late = records_of(one, range(3, 4), commit="a", git_time=2)
+    append(one.records, [*late, *records_of(one, range(3, 4), commit="b", git_time=1)])
+    assert recorded([one], Same.PLAN, "c")[0] == {3: late[0]}
+
+
+def test_cloning_is_done_however_many_steps_would_have_followed(tmp_path: Path) -> None:
+    options = {"algorithms": ("cloning",), "records": str(tmp_path)}
+    (cloned,) = experiments(task(tmp_path), **options)
+    append(cloned.records, records_of(cloned, range(2), plan_digest="of another version"))
+    assert sorted(recorded([cloned], Same.SPEC, None)[0]) == [0, 1]
+
+
 def test_another_task_file_or_setting_is_not_done(tmp_path: Path, one: Experiment) -> None:
     one.records.unlink(missing_ok=True)
     append(one.records, records_of(one, one.seeds))
@@ -118,6 +132,7 @@ def test_another_task_file_or_setting_is_not_done(tmp_path: Path, one: Experimen
     assert [len(records) for records in done] == [10, 0, 0]
 
 
+@settings(max_examples=20)
 @given(st.data())
 def test_records_from_several_places_merge_to_the_same_file(
     one: Experiment, tmp_path_factory: pytest.TempPathFactory, data: st.DataObject

@@ -102,6 +102,7 @@ def command(
     `steps`, `seeds_per_job` and `records`; options take the place of what it says.
     """
     import tiloilc.sweep as sweeps
+    from tiloilc.diag import Severity
 
     if not specs and not merge:
         raise fail("name task files or sweep files, or records to --merge")
@@ -110,8 +111,8 @@ def command(
     asked = sweeps.requests(specs or [], options)
     with guests():
         experiments, found = sweeps.check(asked)
-    if not quiet:
-        report(found)
+    if not quiet:  # what is merely worth knowing of a task, `lint` tells
+        report(finding for finding in found if finding.severity is not Severity.NOTE)
     patterns = dict.fromkeys(request.records for request in asked) or {
         records or sweeps.RECORDS: None
     }
@@ -143,16 +144,12 @@ def command(
 
 def listing(sweep: Sweep, done: Sequence[Mapping[int, object]]) -> str:
     """The jobs that would be done, in their order, then what is recorded already."""
-    rows = []
+    lines = []
     for job in sweep.jobs:
-        begun = (sweep.job_folder(job) / "runs").is_dir()
-        rows.append((job, job.seeds, "begun" if begun else "to do"))
-    lines = [
-        f"{state:<9}{sweep.experiments[job.number].plan.name}  "
-        f"{sweep.experiments[job.number].words}  {seeds_of(seeds)}  "
-        f"{sweep.experiments[job.number].settings.steps:,} steps"
-        for job, seeds, state in rows
-    ]
+        one, begun = sweep.experiments[job.number], (sweep.job_folder(job) / "runs").is_dir()
+        state = "begun" if begun else "to do"
+        about = f"{one.plan.name}  {one.words}  {seeds_of(job.seeds)}  {one.steps:,} steps"
+        lines.append(f"{state:<9}{about}")
     for one, records in zip(sweep.experiments, done, strict=True):
         if records:
             count = f"{len(records)} of {len(one.seeds)} seeds"

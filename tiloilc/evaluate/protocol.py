@@ -99,7 +99,7 @@ def evaluate_run(
         "algorithm": settings.algorithm,
         "preset": settings.preset,
         "demonstrations": plan.demonstrations.model_dump(mode="json", exclude_none=True),
-        "steps": _steps(settings),
+        "steps": steps_taken(settings),
         "seeds": list(range(settings.first_seed, settings.first_seed + settings.seeds)),
         "episodes": episodes,
         "gamma": GAMMA,
@@ -111,7 +111,7 @@ def evaluate_run(
     }, trajectories
 
 
-def _steps(settings: Settings) -> int:
+def steps_taken(settings: Settings) -> int:
     """Environment steps that were taken: cloning ends where learning would begin."""
     cloning = settings.algorithm == "cloning"
     return settings.learning_starts if cloning else settings.steps

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,6 +21,7 @@ from tiloilc.driver import (
     doubtful_findings,
     settings_findings,
 )
+from tiloilc.evaluate.protocol import steps_taken
 from tiloilc.plan import Plan, digest
 from tiloilc.spec.settings import Settings
 from tiloilc.sweep.request import Request, Variant
@@ -56,17 +58,23 @@ class Experiment:
         return self.plan.train
 
     @property
+    def steps(self) -> int:
+        """Environment steps of a seed."""
+        return steps_taken(self.settings)
+
+    @property
     def words(self) -> str:
         """What tells it from others of its task: the algorithm and what was changed."""
-        others = [f"{k}={v}" for k, v in self.changes.items() if k != "algorithm"]
-        return " ".join([self.settings.algorithm, *others]).replace("'", "")
+        apart = ("algorithm", "steps")  # these are told beside it
+        others = [f"{k}={_short(v)}" for k, v in self.changes.items() if k not in apart]
+        return " ".join([self.settings.algorithm, *others])
 
 
 @dataclass(frozen=True)
 class Job:
     """Some seeds of an experiment, trained together by one program. `number` is the experiment's.
 
-    `id` names its folder: the same plan has the same in every sweep.
+    `id` names its folder: the same plan has the same in every sweep. `cost` is in steps of a seed.
     """
 
     id: str
@@ -132,10 +140,14 @@ def jobs_of(
                         number,
                         missing,
                         {**one.changes, **agents(missing)},
-                        plan.train.steps * len(missing),
+                        max(steps_taken(plan.train), 1) * len(missing),
                     )
                 )
     return sorted(jobs, key=lambda job: -job.cost)
+
+
+def _short(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else json.dumps(value).strip('"')
 
 
 def _compile(spec: Path, found: list[Diagnostic]) -> tuple[Analysis, Compiled] | None:

@@ -30,8 +30,8 @@ def recorded(
 
     A record is of the same plan if its plan differs in nothing but which seeds were trained
     together; of the same spec if task file, steps and settings are the same, whatever has become
-    of this program. Where several commits made one seed, the one of `commit` counts, else the last
-    in the order of records. Raises CompileError RUN701 for a damaged file.
+    of this program. Where several commits made one seed, that of `commit` counts, else the latest.
+    Raises CompileError RUN701 for a damaged file.
     """
     files: dict[Path, list[Record]] = {}
     found = []
@@ -58,8 +58,7 @@ def _of(
     def digest_of(seeds: range) -> str:
         return digest(one.plan_of(seeds))
 
-    kept: dict[int, Record] = {}
-    own: set[int] = set()
+    kept: dict[int, list[tuple[bool, int, Record]]] = {}
     for record in records:
         fields = record.fields
         seed, overrides = fields.get("seed"), fields.get("overrides")
@@ -69,14 +68,14 @@ def _of(
             continue
         if same is Same.SPEC:
             alike = fields.get("spec_digest") == spec and _without_seeds(overrides) == settings
-            alike = alike and fields.get("steps") == one.settings.steps
+            alike = alike and fields.get("steps") == one.steps
         else:
             alike = fields.get("plan_digest") == digest_of(_trained(overrides, one))
         ours = fields.get("git_commit") == commit
-        if alike and (ours or same is not Same.COMMIT) and (ours or seed not in own):
-            kept[seed] = record
-            own |= {seed} if ours else set()
-    return kept
+        if alike and (ours or same is not Same.COMMIT):
+            made = fields.get("git_time")
+            kept.setdefault(seed, []).append((ours, made if isinstance(made, int) else 0, record))
+    return {seed: max(found, key=lambda rank: rank[:2])[2] for seed, found in kept.items()}
 
 
 def _trained(overrides: Mapping[str, object], one: Experiment) -> range:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -206,7 +207,7 @@ def _specs(sweep: Sweep, document: Document) -> tuple[tuple[Path, ...], list[Dia
     """The task files that the patterns stand for, in the written order, each once."""
     specs, findings = dict[Path, None](), list[Diagnostic]()
     for i, pattern in enumerate(sweep.specs):
-        whole = str(document.path.parent / pattern)
+        whole = os.path.normpath(document.path.parent / pattern)
         matched = sorted(glob(whole, recursive=True)) if has_magic(pattern) else [whole]
         files = [Path(name) for name in matched if Path(name).is_file()]
         specs |= dict.fromkeys(files)

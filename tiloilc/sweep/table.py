@@ -39,7 +39,7 @@ def _row(one: Experiment, records: Mapping[int, Record]) -> tuple[str, ...]:
     return (
         one.plan.name,
         one.words,
-        f"{one.settings.steps:,}",
+        f"{one.steps:,}",
         f"{len(records)} of {len(one.seeds)}" if missing else str(len(records)),
         f"{mean(visits):.2f} ± {stdev(visits) if len(visits) > 1 else 0.0:.2f}" if visits else "–",
         f"{mean(violations):.1%}" if violations else "–",
