@@ -13,7 +13,7 @@ import pytest
 from tests.report.runs import plan, write_run
 from tiloilc.plan import Predicate
 from tiloilc.report import read_run, render, write_report
-from tiloilc.report.facts import labels, verdict
+from tiloilc.report.page.facts import labels, verdict
 
 VOID = {"br", "img", "link", "meta"}
 
@@ -245,7 +245,7 @@ def test_an_environment_that_is_not_installed_leaves_the_map_out(
     compiled = plan(environment=Environment(id="nowhere:Nothing-v0", horizon=50))
     run = read_run(write_run(tmp_path / "a1", compiled=compiled))
     assert ">pos[1]</text>" in render([run]), "two numbers are a plane without it"
-    monkeypatch.setattr("tiloilc.report.figures.plane_of", lambda *about: None)
+    monkeypatch.setattr("tiloilc.report.page.figures.plane_of", lambda *about: None)
     page = render([run])
     assert "publishes no two-dimensional map" in page
     assert 'class="chart timeline"' in page

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from tiloilc.report.page import render
-from tiloilc.report.run import Run, read_run
+from tiloilc.report.page.document import render
+from tiloilc.report.runs.run import Run, read_run
 
 __all__ = ["Run", "read_run", "render", "write_report"]
 

@@ -15,7 +15,7 @@ import numpy as np
 from tiloilc.evaluate import Band, Summary
 from tiloilc.report.frame import Frame, short, ticks
 from tiloilc.report.markup import Markup, number, tag
-from tiloilc.report.reading import Floats
+from tiloilc.report.runs.reading import Floats
 
 __all__ = ["Area", "Level", "Series", "area_chart", "line_chart", "strip"]
 

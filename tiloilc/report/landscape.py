@@ -13,7 +13,7 @@ import numpy.typing as npt
 from tiloilc.plan import Plan
 from tiloilc.report.maps import Map
 from tiloilc.report.markup import Markup, concat, number, tag
-from tiloilc.report.reading import Floats, Rewards
+from tiloilc.report.runs.reading import Floats, Rewards
 from tiloilc.report.scene import SIZE, outlines
 from tiloilc.report.states import State
 

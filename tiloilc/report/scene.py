@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from tiloilc.report.maps import Map, Shape, cropped
 from tiloilc.report.markup import Markup, number, tag
-from tiloilc.report.run import Trajectories
+from tiloilc.report.runs.run import Trajectories
 from tiloilc.report.states import State
 
 __all__ = ["SIZE", "apart", "outlines", "panels", "timeline"]

@@ -8,12 +8,12 @@ import numpy as np
 
 from tiloilc.evaluate import Summary
 from tiloilc.plan.model import Stages
-from tiloilc.report import facts
 from tiloilc.report.charts import strip
 from tiloilc.report.frame import short
 from tiloilc.report.markup import Markup, concat, number, tag
-from tiloilc.report.reading import Floats
-from tiloilc.report.run import Run
+from tiloilc.report.page import facts
+from tiloilc.report.runs.reading import Floats
+from tiloilc.report.runs.run import Run
 from tiloilc.report.states import State
 
 __all__ = ["absent", "comparison", "differences", "pairs", "results", "settings", "stages"]

@@ -8,9 +8,9 @@ import shlex
 from collections.abc import Sequence
 from importlib.resources import files
 
-from tiloilc.report import facts, figures, tables
 from tiloilc.report.markup import Markup, concat, number, tag
-from tiloilc.report.run import Run
+from tiloilc.report.page import facts, figures, tables
+from tiloilc.report.runs.run import Run
 from tiloilc.report.states import State, states_of
 
 __all__ = ["render"]
@@ -77,7 +77,7 @@ def _document(title: str, body: Markup) -> str:
 
 def _asset(name: str) -> str:
     """A file of this package: trusted, goes into the page as it is."""
-    return files("tiloilc.report").joinpath(name).read_text(encoding="utf-8")
+    return files("tiloilc.report.page").joinpath(name).read_text(encoding="utf-8")
 
 
 def _header(run: Run) -> Markup:

@@ -17,7 +17,7 @@ from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate import METRICS
 from tiloilc.evaluate.records import Json
 from tiloilc.plan.model import Plan
-from tiloilc.report.reading import (
+from tiloilc.report.runs.reading import (
     Floats,
     Object,
     Rewards,

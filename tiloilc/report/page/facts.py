@@ -16,8 +16,8 @@ from tiloilc.evaluate import (
     summarise,
 )
 from tiloilc.report.markup import number
-from tiloilc.report.reading import Floats
-from tiloilc.report.run import Run
+from tiloilc.report.runs.reading import Floats
+from tiloilc.report.runs.run import Run
 
 __all__ = [
     "METRIC_TEXTS",

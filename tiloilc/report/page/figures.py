@@ -8,13 +8,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from tiloilc.evaluate import band, generator
-from tiloilc.report import facts
 from tiloilc.report.charts import Area, Level, Series, area_chart, line_chart
 from tiloilc.report.landscape import key, pictures
 from tiloilc.report.maps import map_of
 from tiloilc.report.markup import Markup, concat, number, tag
+from tiloilc.report.page import facts
 from tiloilc.report.plane import plane_of
-from tiloilc.report.run import Curve, Run
+from tiloilc.report.runs.run import Curve, Run
 from tiloilc.report.scene import panels, timeline
 from tiloilc.report.states import State, legend
 
