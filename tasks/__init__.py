@@ -11,6 +11,7 @@ import gymnasium
 from tiloilc.tasks.experts import Expert, Progress, experts_of
 from tiloilc.tasks.finite import FiniteModel, finite_model
 from tiloilc.tasks.known import Known, known_best
+from tiloilc.tasks.markov import MarkovModel, markov_model
 from tiloilc.tasks.scene import Circle, Rectangle, Ring, Scene
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "Expert",
     "FiniteModel",
     "Known",
+    "MarkovModel",
     "Progress",
     "Rectangle",
     "Ring",
@@ -26,6 +28,7 @@ __all__ = [
     "experts_of",
     "finite_model",
     "known_best",
+    "markov_model",
 ]
 
 _MODULES = {

@@ -14,6 +14,7 @@ OPTIONAL = {
     "minari": "minari",
     "mujoco": "mujoco",
     "onnx": "onnx",
+    "stormpy": "verify",
     "tensorboard": "tensorboard",
     "stable-baselines3": "bench",
     "sbx-rl": "bench",

@@ -30,6 +30,7 @@ VERBS = {
     "run": "run",
     "sweep": "sweep",
     "report": "report",
+    "verify": "verify",
     "export": "export",
     "viz": "logic.viz",
     "explain": "logic.explain",

@@ -46,6 +46,11 @@ OPTIONAL = {
         "films as MP4",
         "pip install 'tiloilc[video]'",
     ),
+    "stormpy": (
+        "stormpy",
+        "exact verification of policies",
+        "pip install 'tiloilc[verify]'",
+    ),
     "tensorboard": (
         "tensorboard",
         "curves while training",

@@ -227,5 +227,9 @@ RULES: dict[str, Rule] = _rules(
         "other-version",
         "another version of tiloilc trained the run `{path}`, and kept other things of it",
     ),
+    Rule("RUN713", E, "not-exactly-verified", "cannot verify `{subject}` exactly: {problem}"),
+    Rule(
+        "RUN714", E, "false-model", "the model that `{id}` publishes of itself is wrong: {problem}"
+    ),
 )
 """All rules by code, in the order of their codes."""

@@ -43,17 +43,20 @@ class Arena:
         self.copies = Copies(plan.environment, plan.train.seeds * episodes)
 
     def play(self, policy: Policy, episode_seeds: Sequence[int], greedy: bool = True) -> Rollout:
-        """One episode for each entry of `episode_seeds`, the same ones for every seed."""
-        seeds, episodes = self.shape
-        assert len(episode_seeds) == episodes
+        """One episode for each entry of `episode_seeds`, the same ones for every seed.
+
+        Or as many entries for each of the seeds, one seed's after those of another.
+        """
+        episodes = self.shape[1]
         horizon, count = self.plan.environment.horizon, self.copies.count
+        assert len(episode_seeds) in (episodes, count)
 
         def choose(observations: Floats, options: Int) -> Int:
             by_seed = observations.reshape(*self.shape, -1), options.reshape(*self.shape, -1)
             return policy.choose(*by_seed, greedy).reshape(-1)
 
         product = Product(self.copies, self.labels, self.walk, choose, horizon)
-        by_copy = np.array(list(episode_seeds) * seeds)
+        by_copy = np.array(list(episode_seeds) * (count // len(episode_seeds)))
         everyone = np.ones(count, dtype=np.bool_)
         product.reset(by_copy.tolist(), everyone)
         diary = _Diary(product, episodes, horizon)

@@ -175,6 +175,11 @@ class Copies:
         return np.asarray(observation, dtype=np.float32).reshape(-1)
 
 
+def single(environment: Environment) -> gym.Env[Any, Any]:
+    """One copy of an environment as it is: no time limit of its own, its observations not flat."""
+    return _single(_import_module_of(environment.id), environment)
+
+
 def is_finite(observation_space: gym.Space[Any], action_space: gym.Space[Any]) -> bool:
     """Whether both spaces are finite and small, so that values fit a table."""
     from gymnasium import spaces

@@ -38,7 +38,7 @@ COLUMNS, CELL, GAP = 5, (300.0, 250.0), 18.0
 class Shown:
     """What there is to show of a task: its map, frames by step, an episode and its states.
 
-    `about` says in a line whose episode it is.
+    `about` says in a line whose episode it is, and in further ones what happened.
     """
 
     title: str
@@ -90,8 +90,10 @@ def environment_picture(shown: Shown) -> Canvas:
         y = max(s.y for s in strip if isinstance(s, Text)) + 14
     if shown.episode is not None:
         shapes += bars(shown.episode.states, shown.states, Box(EDGE, y, wide, 12, Look()))
-        shapes.append(Text(EDGE, y + 29, fitted(shown.about, 12, wide), 12, SOFT))
-        y += 42
+        for i, line in enumerate(shown.about.split("\n")):
+            shapes.append(Text(EDGE, y + 29, fitted(line, 12, wide), 12, SOFT if i == 0 else INK))
+            y += 17
+        y += 25
     y += 6
     for state in in_order(shown.states):
         shapes += key(state, EDGE, y, wide)

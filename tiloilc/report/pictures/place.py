@@ -39,10 +39,14 @@ ROUGH = 150
 
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """`observations` [T+1, d] and the automaton `states` [T+1] after each of their labels."""
+    """`observations` [T+1, d] and the automaton `states` [T+1] after each of their labels.
+
+    With a `loop` the steps from there on are repeated for ever.
+    """
 
     observations: npt.NDArray[np.float32]
     states: npt.NDArray[np.int64]
+    loop: int | None = None
 
     def head(self, steps: int) -> Episode:
         """Its first `steps` steps."""
@@ -140,6 +144,10 @@ def path(
     for t, _ in stretches(run[: fell + 1]):  # where it stays accepting, one mark is enough
         if t and states[run[t]].kind == "accepting":
             yield Disc(*places[t], 2.2 * width, Look(states[run[t]].color, PAPER, 1.2))
+    if episode.loop is not None and states[run[fell]].kind != "sink":
+        around = tuple(places[episode.loop :])
+        yield Path((*around, around[0]), Look(stroke=INK, width=0.6 * width))
+        yield from (Disc(x, y, 1.6 * width, Look(stroke=INK, width=1.2)) for x, y in around)
     yield Disc(*places[0], 2.0 * width, Look(PAPER, INK, 1.6))
     if states[run[fell]].kind == "sink":
         (x, y), arm = places[fell], 2.2 * width

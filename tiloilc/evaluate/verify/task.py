@@ -1,0 +1,220 @@
+"""Verification of what a run left, and of a task alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tiloilc.demos import DemoSet
+from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.evaluate.seeds import EVALUATION
+from tiloilc.evaluate.verify import told
+from tiloilc.evaluate.verify.bounds import clopper_pearson, trials_needed
+from tiloilc.evaluate.verify.chain import decisions, induced_chain
+from tiloilc.evaluate.verify.counterexample import Failure, failure
+from tiloilc.evaluate.verify.exact import Maximum, exactly, formula_of, maximum
+from tiloilc.evaluate.verify.models import model_of
+from tiloilc.evaluate.verify.results import (
+    Counterexample,
+    Judged,
+    Sampled,
+    Simulated,
+    Verification,
+)
+from tiloilc.evaluate.verify.simulated import Simulation, Trials
+from tiloilc.evaluate.verify.storm import has_storm, require_storm
+from tiloilc.learn import Agent, Labels, load_policy, make_loop
+from tiloilc.plan import Plan
+from tiloilc.product import Int, walk_tables
+
+if TYPE_CHECKING:
+    from tiloilc.tasks import MarkovModel
+
+Method = Literal["auto", "exact", "simulate"]
+METHODS: tuple[Method, ...] = ("auto", "exact", "simulate")
+
+EPISODES = 100
+"""Trials of each agent, unless told otherwise: with all of them fine, 0.96 at least."""
+
+HALF_WIDTH = 0.05
+"""Of which it is told how many trials it needs, unless told otherwise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is to be verified, and how. `seed` is one agent of the run's, None all of them.
+
+    Without `episodes` there are as many as `half_width` needs whatever comes, or EPISODES.
+    """
+
+    policy: str = "best"
+    method: Method = "auto"
+    seed: int | None = None
+    episodes: int | None = None
+    confidence: float = 0.95
+    half_width: float | None = None
+    visits: int = 1
+
+    @property
+    def trials(self) -> int:
+        """Episodes of each agent."""
+        if self.episodes is None and self.half_width is not None:
+            return trials_needed(0.5, self.half_width, self.confidence) or EPISODES
+        return self.episodes or EPISODES
+
+
+def verify_task(plan: Plan, labels: Labels) -> Verification:
+    """The most that any policy could reach; `maximum` is None where there is no finite model.
+
+    Raises CompileError RUN713 without Storm, RUN714 if the environment belies its model.
+    """
+    model, why = model_of(plan)
+    best = None if model is None else _maximum(plan, labels, model)
+    return Verification(plan, "", (), None, best, (), why)
+
+
+def verify_run(
+    plan: Plan, demos: DemoSet, labels: Labels, run: Path, wanted: Wanted
+) -> Verification:
+    """How likely the greedy policies of the run in the folder `run` satisfy their formula.
+
+    Raises CompileError RUN706 if the run is not finished, RUN708 if it has no such policy or agent,
+    RUN713 if it cannot be done exactly and should, RUN714 if the environment belies its model.
+    """
+    agent, places = _agent(plan, demos, labels, run, wanted)
+    model, why = model_of(plan)
+    exact = wanted.method == "exact" or (wanted.method == "auto" and not why)
+    if exact and why:
+        help = "leave out --method exact: probabilities are bounded by simulation then"
+        about = Diagnostic.of("RUN713", subject=run.as_posix(), problem=why, help=help)
+        raise CompileError(about)
+    if exact:
+        assert model is not None
+        require_storm(run.as_posix())
+        return _exactly(plan, labels, agent, model, wanted, places)
+    best = _maximum(plan, labels, model) if model is not None and has_storm() else None
+    why = why or "simulation was asked for"
+    return replace(_simulated(plan, labels, agent, wanted, places), maximum=best, why=why)
+
+
+def _exactly(
+    plan: Plan, labels: Labels, agent: Agent, model: MarkovModel, wanted: Wanted, places: list[int]
+) -> Verification:
+    """Each agent's chain, by Storm."""
+    letters, walk = _letters(model, labels), walk_tables(plan.ldba, plan.train.epsilon)
+    decided = decisions(agent, model, letters, walk, plan.train.seeds)
+    formula = formula_of(plan)
+    judged, failures = [], []
+    for place in places:
+        chain = induced_chain(model, letters, walk, decided.columns[place], decided.arrivals[place])
+        found = exactly(chain, plan)
+        judged.append(Judged(plan.train.first_seed + place, found))
+        failed = None if found.probability == 1 else failure(chain, model, plan, formula)
+        if failed is not None:
+            failures.append((found.probability, _told(plan, judged[-1].seed, failed)))
+    failures.sort(key=lambda entry: (entry[0], entry[1].seed))
+    best = _maximum(plan, labels, model)
+    shown = tuple(counterexample for _, counterexample in failures)
+    return Verification(plan, wanted.policy, tuple(judged), None, best, shown)
+
+
+def _told(plan: Plan, seed: int, failed: Failure) -> Counterexample:
+    lost = failed.path.lost(plan.ldba) is not None
+    reason = (
+        told.violation(failed.path, plan)
+        if lost
+        else told.repetition(failed.path, plan, failed.nodes)
+    )
+    way = tuple(told.way(failed.path, plan))
+    return Counterexample(seed, failed.path, way, reason, failed.probability)
+
+
+def _simulated(
+    plan: Plan, labels: Labels, agent: Agent, wanted: Wanted, places: list[int]
+) -> Verification:
+    """Each agent's trials, and those of all."""
+    simulation = Simulation(plan, labels, agent, wanted.trials)
+    trials = simulation.play().of(places)
+    fine = trials.fine(wanted.visits)
+    sampled = [_sampled(*row, wanted.confidence) for row in zip(fine, trials.violated, strict=True)]
+    pooled = _sampled(fine, trials.violated, wanted.confidence)
+    seeds = [plan.train.first_seed + place for place in places]
+    half_width = wanted.half_width or HALF_WIDTH
+    about = Simulated(
+        wanted.confidence,
+        wanted.trials,
+        plan.environment.horizon,
+        wanted.visits,
+        EVALUATION,
+        pooled,
+        half_width,
+        trials_needed(0.5, half_width, wanted.confidence),
+        trials_needed(pooled.rate, half_width, wanted.confidence),
+        tuple(seed for seed, alike in zip(seeds, trials.alike.tolist(), strict=True) if alike),
+    )
+    judged = tuple(Judged(seed, found) for seed, found in zip(seeds, sampled, strict=True))
+    shown = _shown(simulation, plan, trials, wanted, places)
+    return Verification(plan, wanted.policy, judged, about, None, shown)
+
+
+def _sampled(fine: NDArray[np.bool_], violated: NDArray[np.bool_], confidence: float) -> Sampled:
+    successes, trials = int(fine.sum()), fine.size
+    bounds = clopper_pearson(successes, trials, confidence)
+    return Sampled(successes, int(violated.sum()), trials, bounds)
+
+
+def _shown(
+    simulation: Simulation, plan: Plan, trials: Trials, wanted: Wanted, places: list[int]
+) -> tuple[Counterexample, ...]:
+    """An episode in which the agent that does worst fails, if it fails once more."""
+    fine = trials.fine(wanted.visits)
+    worst = int(fine.mean(axis=1).argmin())
+    failed = np.flatnonzero(~fine[worst])
+    if not len(failed):
+        return ()
+    violated = failed[trials.violated[worst][failed]]  # of two kinds the clearer one
+    episode = int((violated if len(violated) else failed)[0])
+    path = simulation.path(places[worst], episode)
+    seed, way = plan.train.first_seed + places[worst], tuple(told.way(path, plan))
+    visits = int(np.isin(path.states[1:], sorted(plan.ldba.accepting)).sum())
+    if path.lost(plan.ldba) is not None:
+        return (Counterexample(seed, path, way, told.violation(path, plan), None),)
+    if visits < wanted.visits:
+        reason = told.shortfall(path, plan, visits, wanted.visits)
+        return (Counterexample(seed, path, way, reason, None),)
+    return ()  # the environment does not repeat itself
+
+
+def _agent(
+    plan: Plan, demos: DemoSet, labels: Labels, run: Path, wanted: Wanted
+) -> tuple[Agent, list[int]]:
+    """The agents with the policies wanted, and the places of those that are verified."""
+    if load_policy(run, "last") is None:
+        help = f"tiloilc train {run.as_posix()} --resume"
+        raise CompileError(Diagnostic.of("RUN706", help=help, path=run.as_posix()))
+    policy = load_policy(run, wanted.policy)
+    first, count = plan.train.first_seed, plan.train.seeds
+    problem = ""
+    if policy is None:
+        problem = f"it has no `{wanted.policy}`"
+    elif wanted.seed is not None and not first <= wanted.seed < first + count:
+        problem = f"it has the seeds {first} to {first + count - 1}, not {wanted.seed}"
+    if policy is None or problem:
+        raise CompileError(Diagnostic.of("RUN708", path=run.as_posix(), problem=problem))
+    agent = make_loop(plan, demos, labels).agent
+    agent.load_policy(policy)
+    return agent, list(range(count)) if wanted.seed is None else [wanted.seed - first]
+
+
+def _maximum(plan: Plan, labels: Labels, model: MarkovModel) -> Maximum:
+    require_storm(plan.name)
+    return maximum(model, _letters(model, labels), plan)
+
+
+def _letters(model: MarkovModel, labels: Labels) -> Int:
+    observations = np.asarray(model.observations, np.float32).reshape(len(model.observations), -1)
+    return labels(observations)
