@@ -6,6 +6,7 @@ import pytest
 from tiloilc.evaluate.statistics import (
     area_under_curve,
     band,
+    difference,
     generator,
     interquartile_mean,
     mean,
@@ -111,3 +112,8 @@ def test_the_interval_of_improvement_holds_the_truth_as_often_as_it_says() -> No
         _, interval = probability_of_improvement([pair], rng, resamples=300)
         inside += interval.low <= 0.638 <= interval.high  # P(N(0.5, 2) > 0)
     assert 0.88 <= inside / 200 <= 0.99
+
+
+def test_a_difference_is_of_means_and_has_its_interval() -> None:
+    value, interval = difference(np.array([1.0, 3.0]), np.array([5.0, 5.0, 5.0]), generator())
+    assert (value, interval.low, interval.high) == (3.0, 2.0, 4.0)

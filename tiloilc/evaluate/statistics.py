@@ -21,6 +21,7 @@ __all__ = [
     "Summary",
     "area_under_curve",
     "band",
+    "difference",
     "generator",
     "interquartile_mean",
     "mean",
@@ -134,6 +135,17 @@ def stratified_bootstrap(
     tail = (1.0 - confidence) / 2.0
     low, high = np.quantile(estimates, [tail, 1.0 - tail])
     return Interval(float(low), float(high))
+
+
+def difference(before: Floats, after: Floats, rng: np.random.Generator) -> tuple[float, Interval]:
+    """How much higher the mean of `after` [n] is than that of `before` [m]; 95 % interval."""
+    n = len(before)
+
+    def gap(drawn: Floats) -> Floats:
+        return np.asarray(drawn[..., n:].mean(-1) - drawn[..., :n].mean(-1))
+
+    interval = stratified_bootstrap([before, after], gap, rng)
+    return float(after.mean() - before.mean()), interval
 
 
 def probability_of_improvement(

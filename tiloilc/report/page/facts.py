@@ -11,11 +11,14 @@ from tiloilc.evaluate import (
     METRICS,
     Summary,
     area_under_curve,
+    difference,
     generator,
+    probability_of_improvement,
     steps_to_threshold,
     summarise,
 )
 from tiloilc.report.markup import number
+from tiloilc.report.results.methods import method_name
 from tiloilc.report.runs.reading import Floats
 from tiloilc.report.runs.run import Run
 
@@ -24,6 +27,7 @@ __all__ = [
     "MetricText",
     "algorithm",
     "area",
+    "better",
     "cloning",
     "efficiency",
     "greedy",
@@ -39,7 +43,7 @@ VISITS = "accepting_visits"
 GOOD_ENOUGH = 0.9
 """Sample efficiency is told by the steps to this share of the optimum (measuring.md)."""
 
-ALGORITHMS = {"tiloil": "TiLoIL", "cloning": "Behaviour cloning"}
+CLONING = "Behaviour cloning"
 
 
 @dataclass(frozen=True)
@@ -151,7 +155,7 @@ def levels_of(run: Run, metric: str) -> tuple[float | None, float | None]:
 
 def algorithm(run: Run) -> str:
     """The algorithm's name as people write it."""
-    return ALGORITHMS.get(run.algorithm, run.algorithm)
+    return CLONING if run.algorithm == "cloning" else method_name(run.algorithm)
 
 
 def verdict(run: Run) -> str:
@@ -182,6 +186,21 @@ def verdict(run: Run) -> str:
     return said.replace(" %", "\u00a0%")
 
 
+def better(run: Run, other: Run) -> tuple[str, str] | None:
+    """(more visits, how likely a seed has more) than another run, both with intervals, as text."""
+    mine, theirs = (greedy(one).get(VISITS) for one in (run, other))
+    if mine is None or theirs is None or not len(mine) or not len(theirs):
+        return None
+    if np.isnan(mine).any() or np.isnan(theirs).any():
+        return None
+    gap, around = difference(theirs, mine, generator())
+    likely, between = probability_of_improvement([(mine, theirs)], generator())
+    return (
+        f"{gap:+.2f} [{around.low:+.2f}, {around.high:+.2f}]",
+        f"{likely:.2f} [{between.low:.2f}, {between.high:.2f}]",
+    )
+
+
 def labels(runs: Sequence[Run]) -> list[str]:
     """A short name for each run, by what tells them apart; equal ones get their folder's name."""
     parts: list[list[str]] = [[] for _ in runs]
@@ -189,7 +208,7 @@ def labels(runs: Sequence[Run]) -> list[str]:
         [run.name for run in runs],
         [algorithm(run) for run in runs],
         [run.preset for run in runs],
-        [", ".join(f"{k}={v}" for k, v in run.overrides.items()) for run in runs],
+        _changes(runs),
     ):
         if len(set(values)) > 1:
             for part, value in zip(parts, values, strict=True):
@@ -199,4 +218,17 @@ def labels(runs: Sequence[Run]) -> list[str]:
     return [
         f"{name} ({run.folder})" if named.count(name) > 1 else name
         for name, run in zip(named, runs, strict=True)
+    ]
+
+
+def _changes(runs: Sequence[Run]) -> list[str]:
+    """What each run overrides, without what all of them do alike and what is said anyway."""
+    every = [set(run.overrides.items()) for run in runs]
+    shared = set.intersection(*every)
+    said = {"algorithm", "preset"}
+    return [
+        ", ".join(
+            f"{k}={v}" for k, v in run.overrides.items() if (k, v) not in shared and k not in said
+        )
+        for run in runs
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -14,11 +13,11 @@ from tiloilc.report.maps import map_of
 from tiloilc.report.markup import Markup, concat, number, tag
 from tiloilc.report.page import facts
 from tiloilc.report.plane import plane_of
-from tiloilc.report.runs.run import Curve, Run
+from tiloilc.report.runs.run import Curve, Occupancy, Run
 from tiloilc.report.scene import panels, timeline
 from tiloilc.report.states import State, legend
 
-__all__ = ["automaton", "curves", "landscape", "losses", "occupancy", "paths", "small_curves"]
+__all__ = ["curves", "landscape", "losses", "occupancies", "occupancy", "paths", "small_curves"]
 
 WIDE, NARROW = (960.0, 380.0), (360.0, 280.0)
 """A chart for screens and paper and one for phones; the style sheet shows one of them."""
@@ -96,10 +95,7 @@ def occupancy(run: Run, states: Sequence[State]) -> Markup | None:
     """Where training time went: the share of each automaton state, stages from the bottom."""
     if run.occupancy is None:
         return None
-    rank = {"live": 0, "accepting": 1, "sink": 2}
-    ordered = sorted(states, key=lambda s: (rank[s.kind], s.stage, s.number))
-    shares = run.occupancy.shares
-    areas = [Area(s.label, s.short, s.color, shares[:, s.number]) for s in ordered]
+    areas = _areas(run.occupancy, states)
     steps = run.occupancy.steps
 
     def drawn(width: float, height: float) -> Markup:
@@ -107,6 +103,30 @@ def occupancy(run: Run, states: Sequence[State]) -> Markup | None:
         return area_chart(steps, areas, title=title, width=width, height=height * 0.8)
 
     return concat(_both(drawn), legend(tuple(states)))
+
+
+def occupancies(
+    runs: Sequence[Run], names: Sequence[str], states: Sequence[State]
+) -> Markup | None:
+    """The same of several runs of one automaton, side by side; None if none was logged."""
+    drawn = []
+    for run, name in zip(runs, names, strict=True):
+        if run.occupancy is None or run.occupancy.shares.shape[1] != len(states):
+            continue
+        chart = area_chart(
+            run.occupancy.steps, _areas(run.occupancy, states),
+            title=f"Share of training steps in each automaton state: {name}",
+            width=SMALL[0], height=SMALL[1],
+        )  # fmt: skip
+        drawn.append(tag("figure", tag("h4", name), chart))
+    return concat(tag("div", drawn, class_="row"), legend(tuple(states))) if drawn else None
+
+
+def _areas(occupancy: Occupancy, states: Sequence[State]) -> list[Area]:
+    """A layer for each state: stages from the bottom, then acceptance, then the sink."""
+    rank = {"live": 0, "accepting": 1, "sink": 2}
+    ordered = sorted(states, key=lambda s: (rank[s.kind], s.stage, s.number))
+    return [Area(s.label, s.short, s.color, occupancy.shares[:, s.number]) for s in ordered]
 
 
 def paths(run: Run, states: Sequence[State]) -> Markup | None:
@@ -145,32 +165,6 @@ def landscape(run: Run, states: Sequence[State]) -> Markup | None:
         return None
     shown = pictures(run.rewards, drawn, states, run.plan)
     return None if shown is None else concat(shown, key())
-
-
-def automaton(run: Run) -> Markup | None:
-    """The automaton as it is drawn by `viz`; None if there is no plan or no Graphviz here."""
-    if run.plan is None:
-        return None
-    try:
-        from tiloilc.automaton import to_svg
-
-        drawing = to_svg(run.plan.ldba, run.plan.stages)
-    except (ImportError, OSError):
-        return None
-    return tag("div", inline_svg(drawing, run.plan.name), class_="automaton wide")
-
-
-def inline_svg(drawing: str, title: str) -> Markup:
-    """An SVG file as an element of a page: no prolog, no ids that others could have too."""
-    start = drawing.index("<svg")
-    body = drawing[start : drawing.rindex("</svg>") + len("</svg>")]
-    if re.search(r"<script|<foreignObject|\son\w+=|javascript:", body, re.IGNORECASE):
-        return tag("p", "The drawing was left out: it holds a script.", class_="quiet")
-    body = re.sub(r'\sid="[^"]*"', "", body)
-    body = re.sub(r'^(<svg\b[^>]*?)\srole="img"', r"\1", body)
-    body = re.sub(r"^(<svg\b[^>]*>)\s*<title>.*?</title>", r"\1", body, flags=re.DOTALL)
-    label = tag("title", f"Automaton of {title}")
-    return Markup(re.sub(r"^<svg\b([^>]*)>", rf'<svg role="img"\1>{label}', body, count=1))
 
 
 def _of(run: Run, name: str, place: int, metric: str = facts.VISITS) -> Series | None:

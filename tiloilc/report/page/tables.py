@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from tiloilc.evaluate import Summary
-from tiloilc.plan.model import Stages
 from tiloilc.report.charts import strip
 from tiloilc.report.frame import short
 from tiloilc.report.markup import Markup, concat, number, tag
 from tiloilc.report.page import facts
 from tiloilc.report.runs.reading import Floats
 from tiloilc.report.runs.run import Run
-from tiloilc.report.states import State
 
-__all__ = ["absent", "comparison", "differences", "pairs", "results", "settings", "stages"]
+__all__ = ["absent", "beside", "comparison", "differences", "pairs", "results", "settings", "table"]
 
 
 def results(run: Run) -> Markup:
@@ -53,13 +52,13 @@ def results(run: Run) -> Markup:
         for metrics in beside.values():
             cells.append(tag("td", _brief(metrics.get(name), about), class_="num"))
         rows.append(tag("tr", cells))
-    return _table(heads, rows, "results")
+    return table(heads, rows, "results")
 
 
 def comparison(runs: Sequence[Run], names: Sequence[str]) -> Markup:
     """One row a run; runs of one task share the scale of their dots."""
     heads = ["Run", "seeds × steps", "accepting visits", "IQM [95 % CI]", "every seed"]
-    heads += ["eventual return", "violations", "90 % of optimum"]
+    heads += ["eventual return", "violations"]
     visits = facts.METRIC_TEXTS[facts.VISITS]
     rows = []
     for i, (run, name) in enumerate(zip(runs, names, strict=True)):
@@ -88,44 +87,41 @@ def comparison(runs: Sequence[Run], names: Sequence[str]) -> Markup:
         for metric in ("eventual_return", "violation_rate"):
             shown = _brief(values.get(metric), facts.METRIC_TEXTS[metric])
             cells.append(tag("td", shown, class_="num"))
+        rows.append(tag("tr", cells))
+    return table(heads, rows, "results comparison")
+
+
+def beside(runs: Sequence[Run], names: Sequence[str]) -> Markup:
+    """Each run beside the first of its task: how much better, how surely; how fast it learns."""
+    heads = ["Run", "visits more [95 % CI]", "P(better) [95 % CI]", "90 % of the optimum"]
+    heads += ["mean height of the curve"]
+    rows = []
+    for i, (run, name) in enumerate(zip(runs, names, strict=True)):
+        cells = [tag("th", tag("i", class_=f"key run-{i % 8}"), name, scope="row")]
+        first = next(r for r in runs if r.name == run.name)
+        gap = None if first is run else facts.better(run, first)
+        if gap is None:
+            shown = "the first of its task" if first is run else "not evaluated"
+            cells.append(tag("td", shown, colspan="2", class_="quiet"))
+        else:
+            more, likely = gap
+            cells += [tag("td", more, class_="num"), tag("td", likely, class_="num")]
         reached = facts.efficiency(run)
         step = None if reached is None else reached[1]
-        shown = (
-            "–" if reached is None else "not reached" if step is None else f"after {short(step)}"
-        )
-        cells.append(tag("td", shown, class_="num"))
+        told = "–" if reached is None else "not reached" if step is None else f"after {short(step)}"
+        area = facts.area(run)
+        height = "–" if area is None else plus_minus(area, facts.METRIC_TEXTS[facts.VISITS])
+        cells += [tag("td", told, class_="num"), tag("td", height, class_="num")]
         rows.append(tag("tr", cells))
-    return _table(heads, rows, "results comparison")
-
-
-def stages(order: Stages, states: Sequence[State]) -> Markup:
-    """The automaton's states with their place in the stage order."""
-    rows = []
-    for state in states:
-        b = state.number
-        dead = state.kind == "sink"
-        rows.append(
-            tag(
-                "tr",
-                tag("th", tag("i", class_="swatch", style=f"background:{state.color}"),
-                    state.short, scope="row"),
-                tag("td", tag("code", state.name) if state.name else ""),
-                tag("td", "" if state.kind == "live" else state.kind),
-                tag("td", "–" if dead else str(order.index[b]), class_="num"),
-                tag("td", "–" if dead else str(order.length[b]), class_="num"),
-                tag("td", "–" if dead else str(order.distance[b]), class_="num"),
-            )
-        )  # fmt: skip
-    heads = ["State", "what is left to do", "", "stage", "length", "to acceptance"]
-    return _table(heads, rows, "stages")
+    return table(heads, rows, "comparison beside")
 
 
 def settings(runs: Sequence[Run], names: Sequence[str]) -> Markup:
     """The task and all settings of the first run whose plan is known; what differs between runs."""
     body: list[Markup] = []
     if len(runs) > 1:
-        table = differences(runs, names)
-        body.append(absent("All runs have the same settings.") if table is None else table)
+        changed = differences(runs, names)
+        body.append(absent("All runs have the same settings.") if changed is None else changed)
     known = [run for run in runs if run.plan is not None]
     if not known:
         return concat(body, absent("Settings are not known: plan.json is missing."))
@@ -143,6 +139,7 @@ def settings(runs: Sequence[Run], names: Sequence[str]) -> Markup:
         "environment": plan.environment.id,
         **{name: str(value) for name, value in plan.environment.kwargs.items()},
         "horizon": f"{plan.environment.horizon} steps",
+        "observed": ", ".join(f"{n} [{a}:{b}]" for n, (a, b) in plan.fields.items()) or "–",
         "demonstrations": _demonstrations(plan.demonstrations.model_dump()),
         "evaluation": f"{plan.evaluate.episodes} episodes a seed",
     }
@@ -173,7 +170,16 @@ def settings_of(run: Run) -> dict[str, str]:
         return dict(run.overrides)
     given: dict[str, object] = run.plan.train.model_dump(mode="json")
     shown = {name: _setting(value) for name, value in given.items()}
-    return shown | run.overrides
+    return shown | {name: _setting(_value(text)) for name, text in run.overrides.items()}
+
+
+def _value(text: str) -> object:
+    """What an override's text stands for: JSON, or the text itself."""
+    try:
+        value: object = json.loads(text)
+    except json.JSONDecodeError:
+        return text
+    return value
 
 
 def differences(runs: Sequence[Run], names: Sequence[str]) -> Markup | None:
@@ -186,7 +192,7 @@ def differences(runs: Sequence[Run], names: Sequence[str]) -> Markup | None:
         if len(set(values)) > 1:
             cells = [tag("td", tag("code", value)) for value in values]
             rows.append(tag("tr", tag("th", tag("code", key), scope="row"), cells))
-    return _table(["Setting", *names], rows, "differences") if rows else None
+    return table(["Setting", *names], rows, "differences") if rows else None
 
 
 def pairs(values: Mapping[str, str], marked: Sequence[str] = (), *, kind: str = "") -> Markup:
@@ -253,10 +259,12 @@ def _setting(value: object) -> str:
     return str(value)
 
 
-def _table(heads: Sequence[str], rows: Sequence[Markup], kind: str) -> Markup:
-    head = tag("tr", [tag("th", name, scope="col") for name in heads])
-    table = tag("table", tag("thead", head), tag("tbody", rows), class_=kind)
-    return tag("div", table, class_="wide")
+def table(heads: Sequence[str], rows: Sequence[Markup], kind: str) -> Markup:
+    """A table that scrolls sideways where there is no room; a head of Markup is a whole cell."""
+    cells = [n if isinstance(n, Markup) else tag("th", n, scope="col") for n in heads]
+    head = tag("tr", cells)
+    body = tag("table", tag("thead", head), tag("tbody", rows), class_=kind)
+    return tag("div", body, class_="wide")
 
 
 def absent(said: str) -> Markup:

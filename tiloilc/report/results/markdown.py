@@ -10,7 +10,7 @@ from tiloilc.report.results.rows import Floats, Row
 
 __all__ = [
     "MADE", "NOT_RUN", "between", "cell", "listed", "one_of", "optimum", "pictures", "seeds",
-    "signed", "small", "spread", "table",
+    "small", "spread", "table",
 ]  # fmt: skip
 
 MADE = "Written by `make results` from the records in [`results/`](../../results), not by hand.\n"
@@ -35,11 +35,6 @@ def spread(values: Floats) -> str:
 def between(interval: Interval) -> str:
     """Both ends of an interval."""
     return f"[{interval.low:.2f}, {interval.high:.2f}]"
-
-
-def signed(value: float, interval: Interval) -> str:
-    """A difference and its interval, each with its sign."""
-    return f"{value:+.2f} [{interval.low:+.2f}, {interval.high:+.2f}]"
 
 
 def small(*said: str) -> str:

@@ -5,38 +5,29 @@ from __future__ import annotations
 import numpy as np
 
 from tiloilc.evaluate import (
-    Interval,
     area_under_curve,
     band,
+    difference,
     generator,
     steps_to_threshold,
-    stratified_bootstrap,
 )
 from tiloilc.report.frame import short
 from tiloilc.report.results.drawing import Line
 from tiloilc.report.results.methods import Ink
 from tiloilc.report.results.rows import Floats, Row
 
-__all__ = ["ENOUGH", "difference", "height", "line", "most_return", "reached", "won"]
+__all__ = ["ENOUGH", "gap", "height", "line", "most_return", "reached"]
 
 ENOUGH = 0.9
 """The share of a goal whose first reaching is told (measuring: sample efficiency)."""
 
 
-def difference(before: Floats, after: Floats) -> tuple[float, Interval]:
-    """How much higher the mean of `after` is than that of `before`, with its 95 % interval."""
-    n = len(before)
-
-    def gap(drawn: Floats) -> Floats:
-        return np.asarray(drawn[..., n:].mean(-1) - drawn[..., :n].mean(-1))
-
-    interval = stratified_bootstrap([before, after], gap, generator())
-    return float(after.mean() - before.mean()), interval
-
-
-def won(row: Row, other: Row) -> bool:
-    """Whether the mean of `row` is higher by more than chance among seeds."""
-    return difference(other.values("greedy"), row.values("greedy"))[1].low > 0
+def gap(one: Row | None, other: Row | None) -> str:
+    """How many visits more the other row has, with its 95 % interval; a dash without both."""
+    if one is None or other is None:
+        return "–"
+    value, interval = difference(one.values("greedy"), other.values("greedy"), generator())
+    return f"{value:+.2f} [{interval.low:+.2f}, {interval.high:+.2f}]"
 
 
 def reached(row: Row, goal: float | None) -> str:

@@ -24,6 +24,7 @@ __all__ = [
     "mapping",
     "parse",
     "read_events",
+    "read_film",
     "read_rewards",
     "table",
     "words",
@@ -31,6 +32,10 @@ __all__ = [
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 Object: TypeAlias = Mapping[str, Json]
+
+
+MOST_FILM = 4_000_000
+"""Bytes of a film in a page, which stays one file that a phone opens."""
 
 
 class Unfit(ValueError):
@@ -163,3 +168,8 @@ def read_rewards(file: Path) -> Rewards | None:
     if every.ndim != 4 or every.shape[2:] != (*y.shape, *x.shape) or not np.isfinite(every).all():
         raise Unfit(f"{file.name}: its arrays do not fit each other")
     return Rewards(x, y, every.mean(axis=0))
+
+
+def read_film(file: Path) -> bytes:
+    """The GIF that `eval --video` wrote; empty if there is none, or too large a one for a page."""
+    return file.read_bytes() if file.is_file() and file.stat().st_size <= MOST_FILM else b""

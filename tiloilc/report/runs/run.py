@@ -27,10 +27,12 @@ from tiloilc.report.runs.reading import (
     mapping,
     parse,
     read_events,
+    read_film,
     read_rewards,
     table,
     words,
 )
+from tiloilc.report.runs.verification import Verification, read_verification
 
 __all__ = ["Curve", "Final", "Occupancy", "Run", "Trajectories", "read_run"]
 
@@ -81,7 +83,7 @@ class Final:
 @dataclass(frozen=True)
 class Run:
     """One run. `end` is how far it went, in environment steps of a seed; `root` is the folder of
-    its task file.
+    its task file; `film` is a GIF, empty if there is none or it is too large for a page.
     """
 
     folder: str
@@ -102,6 +104,8 @@ class Run:
     final: Final | None
     trajectories: Trajectories | None
     rewards: Rewards | None
+    verification: Verification | None
+    film: bytes
     notes: tuple[str, ...]
 
     @property
@@ -164,6 +168,8 @@ def _read(path: Path) -> Run:
         final=final,
         trajectories=_trajectories(path / "trajectories.npz", len(seeds), notes),
         rewards=read_rewards(path / "rewards.npz"),
+        verification=read_verification(path / "verify.json"),
+        film=read_film(path / "video.gif"),
         notes=tuple(notes),
     )
 

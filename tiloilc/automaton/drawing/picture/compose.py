@@ -9,7 +9,7 @@ is a short grey arrow down to ⊥, so that the sink's edges do not cover the one
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from tiloilc.automaton.drawing.picture.layout import (
@@ -69,22 +69,31 @@ def too_large(ldba: Ldba) -> str:
     return f"it has {len(ldba.names)} states and {links} edges between them"
 
 
-def picture(ldba: Ldba, stages: HasIndex | None = None, title: str | None = None) -> Scene:
+def picture(
+    ldba: Ldba,
+    stages: HasIndex | None = None,
+    title: str | None = None,
+    notes: Mapping[str, str] | None = None,
+) -> Scene:
     """`ldba` as a scene under its `title`, a formula; with `stages`, headings over the columns.
+
+    `notes` are added to the texts of groups, by what these are of.
 
     A scene that says so if `ldba` is `too_large`.
     """
     if why := too_large(ldba):
         return _notice(f"This automaton is not drawn: {why}.", title, _description(ldba, stages))
     live = [b for b in ldba.states if b != ldba.sink] or [ldba.initial]
-    links = list(links_of(ldba))
+    notes = notes or {}
+    links = list(links_of(ldba, notes))
     place = {b: i for i, b in enumerate(live)}
     arrows = [_renumbered(link.arrow, place) for link in links]
     order = _depths(len(live), arrows) if stages is None else [stages.index[b] for b in live]
     columns = columns_of(order, arrows)
     own = own_parts(ldba, title)
     states = {
-        b: state_piece(ldba, b, own[b], stages, _met(place[b], columns, arrows)) for b in live
+        b: state_piece(ldba, b, own[b], stages, _met(place[b], columns, arrows), notes)
+        for b in live
     }
     boxes = [states[b].box for b in live]
     layout = laid_out(boxes, columns, arrows)

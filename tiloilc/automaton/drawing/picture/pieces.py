@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -109,9 +109,18 @@ class Link:
 
 
 def state_piece(
-    ldba: Ldba, b: StateId, own: str, stages: HasIndex | None, links: int
+    ldba: Ldba,
+    b: StateId,
+    own: str,
+    stages: HasIndex | None,
+    links: int,
+    notes: Mapping[str, str],
 ) -> StatePiece:
     """The texts of state `b`, of which `own` is what sets it apart."""
+
+    def noted(of: str) -> tuple[str, ...]:
+        return (notes[of],) if of in notes else ()
+
     guards: dict[bool, list[str]] = {True: [], False: []}
     for index in ldba.outgoing_indices[b]:
         edge = ldba.edges[index]
@@ -123,15 +132,15 @@ def state_piece(
     stage = "" if stages is None else f", stage {stages.index[b]}"
     accepting = ", accepting" if b in ldba.accepting else ""
     return StatePiece(
-        lines=tuple(wrapped(kind, NAME_WIDTH, NAME_LINES) if kind else ()),
-        loop=tuple(guards[True]),
-        lost=tuple(guards[False]),
+        lines=(*(wrapped(kind, NAME_WIDTH, NAME_LINES) if kind else ()), *noted(f"state {b}")),
+        loop=(*guards[True], *(noted(f"loop {b}") if guards[True] else ())),
+        lost=(*guards[False], *(noted(f"lost {b}") if guards[False] else ())),
         tooltip=f"state {b}{stage}{accepting}\n{ldba.names[b]}",
         links=links,
     )
 
 
-def links_of(ldba: Ldba) -> Iterator[Link]:
+def links_of(ldba: Ldba, notes: Mapping[str, str]) -> Iterator[Link]:
     """All that leads from one live state to another one: edges, then jumps."""
     for index, edge in enumerate(ldba.edges):
         if edge.source == edge.target or ldba.sink in (edge.source, edge.target):
@@ -139,7 +148,8 @@ def links_of(ldba: Ldba) -> Iterator[Link]:
         guard = guard_text(edge.guard, ldba.propositions)
         marked = index in ldba.accepting_edges
         text = f"● {guard}" if marked else guard
-        lines = tuple(wrapped(text, GUARD_WIDTH, GUARD_LINES))
+        note = notes.get(f"edge {index}")
+        lines = (*wrapped(text, GUARD_WIDTH, GUARD_LINES), *([] if note is None else [note]))
         tip = f"from {edge.source} to {edge.target} on\n{guard}"
         yield Link(edge.source, edge.target, f"edge {index}", lines, tip, marked=marked)
     for index, (source, target) in enumerate(ldba.jumps):

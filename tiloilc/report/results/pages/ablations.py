@@ -14,10 +14,9 @@ from tiloilc.report.results.markdown import (
     listed,
     optimum,
     pictures,
-    signed,
     table,
 )  # fmt: skip
-from tiloilc.report.results.measures import difference, line, most_return
+from tiloilc.report.results.measures import gap, line, most_return
 from tiloilc.report.results.methods import Ink, method_name
 from tiloilc.report.results.pages.learning import BEST, command
 from tiloilc.report.results.rows import Changes, Row
@@ -150,10 +149,7 @@ def _parts(book: Book, family: Family) -> list[str]:
     cells = []
     for part in PARTS:
         row = family.get(**{part: "false"})
-        gap = ""
-        if row is not None and whole is not None:
-            gap = signed(*difference(whole.values("greedy"), row.values("greedy")))
-        cells.append(cell(row, gap))
+        cells.append(cell(row, "" if row is None else gap(whole, row)))
     best = optimum(book.optimum(family.task))
     return [title(family.task), family.named(*PARTS), cell(whole), *cells, best]
 
@@ -211,12 +207,8 @@ def _shared(book: Book, family: Family) -> list[str]:
     for row, column in zip(rows, ("separate", "shared"), strict=True):
         printed = paper.numbers().get(("table 2", family.task, column))
         cells.append(cell(row, "" if printed is None else f"paper {printed.text}"))
-    one, other = rows
-    gap = "–"
-    if one is not None and other is not None:
-        gap = signed(*difference(one.values("greedy"), other.values("greedy")))
     best = optimum(book.optimum(family.task))
-    return [title(family.task), family.named("discriminator"), *cells, gap, best]
+    return [title(family.task), family.named("discriminator"), *cells, gap(*rows), best]
 
 
 def _not_run(tasks: Sequence[str], change: str) -> str:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from tiloilc.report.results import paper
 from tiloilc.report.results.book import Book
-from tiloilc.report.results.markdown import MADE, cell, listed, optimum, signed, table
-from tiloilc.report.results.measures import difference
+from tiloilc.report.results.markdown import MADE, cell, listed, optimum, table
+from tiloilc.report.results.measures import gap
 from tiloilc.report.results.methods import method_name
 from tiloilc.report.results.rows import FRESH, Row
 from tiloilc.report.results.tasks import title
@@ -60,8 +60,7 @@ def table_3(book: Book) -> str:
     cells = []
     for row, column in ((usual, "original"), (unsafe, "unsafe")):
         cells.append(cell(row, f"paper {paper.numbers()['table 3', 'carlo', column].text}"))
-    gap = _gap(usual, unsafe)
-    rows = [[title("carlo"), *cells, gap, optimum(book.optimum("carlo"))]]
+    rows = [[title("carlo"), *cells, gap(usual, unsafe), optimum(book.optimum("carlo"))]]
     heads = ["task", "the usual ones", "unsafe or incomplete", "difference [95 %]", "optimum"]
     return text + table(heads, rows) + HOW
 
@@ -114,9 +113,3 @@ def _with(book: Book, task: str, method: str, changes: dict[str, str]) -> Row | 
         and {k: v for k, v in row.demonstrations if k not in aside or k in wanted} == wanted
     ]
     return max(found, key=lambda row: (row.steps, len(row.runs)), default=None)
-
-
-def _gap(one: Row | None, other: Row | None) -> str:
-    if one is None or other is None:
-        return "–"
-    return signed(*difference(one.values("greedy"), other.values("greedy")))

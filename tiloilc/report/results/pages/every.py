@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tiloilc.evaluate import generator, summarise
 from tiloilc.report.results.book import Book
-from tiloilc.report.results.markdown import MADE, between, optimum, seeds, signed, spread, table
-from tiloilc.report.results.measures import difference
+from tiloilc.report.results.markdown import MADE, between, optimum, seeds, spread, table
+from tiloilc.report.results.measures import gap
 from tiloilc.report.results.rows import FRESH, Row
 
 HEAD = f"""\
@@ -92,8 +92,14 @@ def _pairs(row: Row, book: Book) -> list[list[str]]:
             continue
         before, after = row.values("greedy"), other.values("greedy")
         changed = " ".join(f"{name}={value}" for name, value in more.items())
-        told = signed(*difference(before, after))
         found.append(
-            [f"`{row.task}`", _settings(row), changed, spread(before), spread(after), told]
+            [
+                f"`{row.task}`",
+                _settings(row),
+                changed,
+                spread(before),
+                spread(after),
+                gap(row, other),
+            ]
         )
     return found

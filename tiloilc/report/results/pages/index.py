@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tiloilc.evaluate import difference, generator
 from tiloilc.report.results import paper
 from tiloilc.report.results.book import Book
 from tiloilc.report.results.markdown import (
@@ -16,7 +17,6 @@ from tiloilc.report.results.markdown import (
     spread,
     table,
 )  # fmt: skip
-from tiloilc.report.results.measures import difference
 from tiloilc.report.results.methods import BASELINES, METHODS, method_name
 from tiloilc.report.results.pages.learning import command
 from tiloilc.report.results.rows import Row
@@ -104,7 +104,9 @@ def best_of(rows: Sequence[Row]) -> list[Row]:
     first = max(rows, key=lambda row: float(row.values("greedy").mean()))
     best = first.values("greedy")
     return [
-        row for row in rows if row is first or difference(row.values("greedy"), best)[1].low <= 0
+        row
+        for row in rows
+        if row is first or difference(row.values("greedy"), best, generator())[1].low <= 0
     ]
 
 

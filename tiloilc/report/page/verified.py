@@ -1,0 +1,60 @@
+"""How likely policies satisfy the formula, as `tiloilc verify` found it."""
+
+from __future__ import annotations
+
+from tiloilc.report.markup import Markup, concat, tag
+from tiloilc.report.page.tables import table
+from tiloilc.report.runs.verification import Agent, Verification
+
+__all__ = ["verified"]
+
+MOST_FAILURES = 3
+"""Ways to fail that are told; the rest stands in verify.json."""
+
+
+def verified(found: Verification) -> Markup:
+    """What was found of each seed's policy, the most that is possible, and how it fails."""
+    how = "computed exactly" if found.exact else "estimated from episodes"
+    whose = (", of the policy ", tag("code", found.policy)) if found.policy else ()
+    body = [tag("p", f"The probability of satisfying the formula, {how}", *whose, ".")]
+    if found.agents:
+        heads = ["Policy", "probability"]
+        sampled = any(agent.low is not None for agent in found.agents)
+        if sampled:
+            level = "" if found.confidence is None else f" [{found.confidence * 100:g} %]"
+            heads += [f"between{level}", "episodes"]
+        rows = [tag("tr", _cells(agent, sampled)) for agent in found.agents]
+        body.append(table(heads, rows, "stages"))
+    said = []
+    if found.maximum is not None:
+        how = f": {found.maximum_how}" if found.maximum_how else ""
+        said.append(f"The most that any policy can reach is {shown(found.maximum)}{how}.")
+    if found.why_not_exact:
+        said.append(f"It is not exact: {found.why_not_exact.rstrip('.')}.")
+    if said:
+        body.append(tag("p", " ".join(said), class_="caption"))
+    for failure in found.failures[:MOST_FAILURES]:
+        often = (
+            "" if failure.probability is None else f" (probability {shown(failure.probability)})"
+        )
+        head = tag("b", f"How seed {failure.seed} fails{often}: ")
+        body.append(tag("p", head, failure.reason))
+        if failure.way:
+            body.append(tag("ol", [tag("li", step) for step in failure.way], class_="quiet"))
+    return concat(body)
+
+
+def _cells(agent: Agent, sampled: bool) -> list[Markup]:
+    cells = [tag("th", f"seed {agent.seed}", scope="row")]
+    cells.append(tag("td", shown(agent.probability), class_="num strong"))
+    if sampled:
+        known = agent.low is not None and agent.high is not None
+        bounds = f"{shown(agent.low)} and {shown(agent.high)}" if known else "–"
+        cells.append(tag("td", bounds, class_="num"))
+        cells.append(tag("td", "–" if agent.episodes is None else f"{agent.episodes:,}"))
+    return cells
+
+
+def shown(value: float | None) -> str:
+    """A probability with four places, 0 and 1 as what they are."""
+    return "–" if value is None else f"{value:.4f}".rstrip("0").rstrip(".")
