@@ -185,7 +185,16 @@ def test_machine_and_versions_name_no_host() -> None:
     import platform
 
     assert platform.node() not in json.dumps([machine(), versions()]).replace('"', " ").split()
-    assert set(versions()) == {"tiloilc", "torch", "numpy", "gymnasium"}
+    assert {"tiloilc", "torch", "numpy", "gymnasium"} <= set(versions())
+
+
+def test_what_a_task_brought_in_is_among_the_versions(monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    monkeypatch.delitem(sys.modules, "mujoco", raising=False)
+    assert "mujoco" not in versions()
+    monkeypatch.setitem(sys.modules, "mujoco", sys)
+    assert versions()["mujoco"].startswith("3.")
 
 
 def test_a_folder_outside_git_has_no_commit(tmp_path: Path) -> None:

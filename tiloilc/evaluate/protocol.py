@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import platform
 import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
@@ -149,9 +150,14 @@ def machine() -> dict[str, object]:
 
 
 def versions() -> dict[str, str]:
-    """The versions of what decides results."""
-    names = ("tiloilc", "torch", "numpy", "gymnasium")
+    """The versions of what decides results; MuJoCo's where a task has brought it in."""
+    names = ["tiloilc", "torch", "numpy", "gymnasium"]
+    names += [name for name in ("mujoco", "gymnasium-robotics") if _imported(name)]
     return {name: metadata.version(name) for name in names}
+
+
+def _imported(distribution: str) -> bool:
+    return distribution.replace("-", "_") in sys.modules
 
 
 def git_commit(folder: Path) -> str | None:

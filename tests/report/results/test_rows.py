@@ -6,6 +6,7 @@ import pytest
 
 from tests.report.results.records import records
 from tiloilc.report.results.book import Book
+from tiloilc.report.results.methods import METHODS
 from tiloilc.report.results.rows import Row, rows_of
 from tiloilc.report.results.tasks import TaskFile, read_tasks
 
@@ -79,6 +80,17 @@ def test_the_usual_row_has_the_task_files_settings_and_is_the_longest(
     assert visits(book.usual("flatworld_cycle", "tiloil")) == [2.0]
     assert visits(book.usual("flatworld_cycle", "tiloil", "paper")) == [5.0]
     assert book.usual("flatworld_cycle", "lcer") is None
+
+
+def test_what_a_run_of_a_task_file_with_another_method_records_is_that_methods_usual_row(
+    files: dict[str, TaskFile],
+) -> None:
+    for name, file in files.items():
+        for algorithm in METHODS:
+            train = file.train.override({"algorithm": algorithm, "first_seed": 200, "seeds": 1})
+            changes = {"name": name, "algorithm": algorithm, "overrides": train.overrides()}
+            book = Book.of(records([1.0], steps=train.steps, **changes), files)
+            assert book.usual(name, algorithm) is not None, (name, algorithm)
 
 
 def test_families_differ_in_their_settings_only(files: dict[str, TaskFile]) -> None:

@@ -61,7 +61,7 @@ class Book:
 
     def usual(self, task: str, algorithm: str, preset: str = "default") -> Row | None:
         """The row with the task file's own settings and demonstrations, the longest there is."""
-        wanted = self.defaults(task, preset)
+        wanted = self.defaults(task, algorithm, preset)
         found = [
             row
             for row in self.of_task(task, algorithm)
@@ -69,10 +69,12 @@ class Book:
         ]
         return max(found, key=lambda row: (row.steps, len(row.runs)), default=None)
 
-    def defaults(self, task: str, preset: str = "default") -> tuple[Changes, ...]:
+    def defaults(
+        self, task: str, algorithm: str = "tiloil", preset: str = "default"
+    ) -> tuple[Changes, ...]:
         """Changes that are the task file's own; of the preset `paper` its letter counts, too."""
         file = self.files.get(task)
-        own = () if file is None else settings_of(file.defaults[preset])
+        own = () if file is None else settings_of(file.defaults(preset, algorithm))
         return (own, ()) if preset == "paper" or file is None else (own,)
 
     def of_task(self, task: str, algorithm: str | None = None) -> list[Row]:

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from tiloilc.report.results.methods import METHODS
 from tiloilc.spec import Settings, read_spec
+from tiloilc.spec.settings import PRESETS
 
 __all__ = ["FIGURE_3", "GRIDS", "ROBOTS", "TITLES", "TaskFile", "read_tasks", "title"]
 
@@ -66,13 +68,17 @@ class TaskFile:
     train: Settings
     demonstrations: Mapping[str, object]
 
+    def defaults(self, preset: str, algorithm: str) -> dict[str, object]:
+        """What a run of the file with this preset and method sets apart from what these bring."""
+        known = self._of_methods.get((preset, algorithm))
+        return self._apart(preset, algorithm) if known is None else known
+
     @cached_property
-    def defaults(self) -> dict[str, dict[str, object]]:
-        """For each preset what the file sets apart from it."""
-        return {
-            "default": self.train.override({"preset": "default"}).overrides(),
-            "paper": self.train.override({"preset": "paper"}).overrides(),
-        }
+    def _of_methods(self) -> dict[tuple[str, str], dict[str, object]]:
+        return {(p, a): self._apart(p, a) for p in PRESETS for a in METHODS}
+
+    def _apart(self, preset: str, algorithm: str) -> dict[str, object]:
+        return self.train.override({"preset": preset, "algorithm": algorithm}).overrides()
 
 
 def read_tasks(folder: Path) -> dict[str, TaskFile]:
