@@ -16,7 +16,7 @@ propositions:
   z: y != 0
 formula: "F a & G !z"
 demonstrations: {source: expert, count: 3}
-train: {steps: 1500, seeds: 2, learning_starts: 200}
+train: {steps: 300, seeds: 2, learning_starts: 100}
 """
 
 LAKE = """\
@@ -148,7 +148,7 @@ def test_of_a_task_without_a_model_it_is_told_why_nothing_is_known(workdir: Path
     assert (status, out) == (
         0,
         "car: F top\n"
-        "nothing is known of what could be reached:"
+        "nothing is known of what any policy could reach:"
         " `MountainCarContinuous-v0` publishes no finite model of itself\n",
     )
     assert run("verify", "car.yaml", "--at-least", "0.1")[0] == 1
@@ -157,7 +157,7 @@ def test_of_a_task_without_a_model_it_is_told_why_nothing_is_known(workdir: Path
 def test_wrong_usage_is_told_in_a_line(workdir: Path, run: Run) -> None:
     for arguments, said in (
         (("nowhere",), "there is no `nowhere`"),
-        (("grid_avoid_easy", "--episodes", "3"), "--episodes is about a run"),
+        (("grid_avoid_easy", "--seed", "3"), "--seed is about a run"),
         (("grid_avoid_easy", "-o", "x.gif"), "x.svg or x.png, not `x.gif`"),
         ((".",), "no plan in `.`"),
     ):

@@ -18,7 +18,11 @@ def lines(found: Verification) -> Iterator[str]:
     """Whose probabilities these are and how they are known, a row for each agent, and the rest."""
     yield f"{found.plan.name}: {found.plan.goal}"
     if found.simulated is not None:
-        yield from _simulated(found, found.simulated)
+        yield from (
+            _by_expert(found, found.simulated)
+            if found.expert
+            else _simulated(found, found.simulated)
+        )
     elif found.judged:
         yield from _exact(found)
     if found.maximum is not None:
@@ -26,7 +30,7 @@ def lines(found: Verification) -> Iterator[str]:
         kind = "any policy at most" if best.exact else "the best policy at least"
         yield f"{kind}: {number(best.probability)} ({best.how})"
     elif not found.judged:
-        yield f"nothing is known of what could be reached: {found.why}"
+        yield f"nothing is known of what any policy could reach: {found.why}"
     for i, failed in enumerate(found.counterexamples):
         if i == 0:
             likely = failed.probability
@@ -79,6 +83,17 @@ def _simulated(found: Verification, about: Simulated) -> Iterator[str]:
     if about.alike:
         alike = ", ".join(map(str, about.alike))
         yield f"all episodes passed the same automaton states at the same steps: seeds {alike}"
+
+
+def _by_expert(found: Verification, about: Simulated) -> Iterator[str]:
+    visits = f"{about.visits} accepting visit{'' if about.visits == 1 else 's'} or more"
+    yield f"expert `{found.expert}`: no violation and {visits} within {about.horizon} steps"
+    sampled, percent = about.pooled, f"{about.confidence * 100:.6g} %"
+    bounds = f"{sampled.bounds.low:.4f} – {sampled.bounds.high:.4f}"
+    fine = f"{sampled.fine} of {sampled.episodes} episodes"
+    yield f"  in {fine}: {sampled.rate:.4f}, {percent} bounds {bounds}"
+    if about.all_alike:
+        yield "  all of them passed the same automaton states at the same steps"
 
 
 def _row(sampled: Sampled) -> str:

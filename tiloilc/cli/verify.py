@@ -11,7 +11,8 @@ import typer
 
 from tiloilc.cli.console import Quiet, fail, guests, say
 from tiloilc.cli.jobs import EVENTS, open_job
-from tiloilc.cli.tasks import plan_of, task_file
+from tiloilc.cli.logic.subjects import subject_of
+from tiloilc.cli.tasks import task_file
 from tiloilc.cli.verified import lines
 
 if TYPE_CHECKING:
@@ -70,14 +71,14 @@ def command(
         float | None,
         typer.Option(
             "--precision",
-            min=0.0001,
+            min=0.001,
             max=0.5,
             help="Half the width of the bounds: plays, or tells, as many episodes as it needs.",
         ),
     ] = None,
     visits: Annotated[
-        int | None, typer.Option("--visits", min=1, help="Accepting visits that a trial must make.")
-    ] = None,
+        int, typer.Option("--visits", min=1, help="Accepting visits that a trial must make.")
+    ] = 1,
     at_least: Annotated[
         float | None,
         typer.Option("--at-least", min=0.0, max=1.0, help="Exit with 1 unless this is shown."),
@@ -96,32 +97,32 @@ def command(
     On finite tasks the exact probability without a time limit, by Storm (the extra `verify`), and
     the most that any policy could reach. Elsewhere bounds from episodes: no violation, and enough
     accepting visits within the horizon. Prints how a policy fails, and draws it where the task has
-    a map. Writes verify.json into the run folder. Of a task alone: the most that could be reached.
+    a map. Writes verify.json into the run folder. Of a task alone: the most that could be reached,
+    and where that is not exact, what its expert achieves.
     """
     given = {
-        "--policy": policy, "--seed": seed, "--method": method, "--episodes": episodes,
-        "--precision": precision, "--visits": visits, "-o": out,
+        "--policy": policy, "--seed": seed, "--method": method, "-o": out,
     }  # fmt: skip
     if out is not None and out.suffix.lower() not in (".svg", ".png"):
         raise fail(f"a counterexample is drawn as x.svg or x.png, not `{out.as_posix()}`")
+    from tiloilc.evaluate.verify import Wanted
+
+    wanted = Wanted(
+        policy=(policy or Saved.BEST).value,
+        method=(method or Method.AUTO).value,
+        seed=seed,
+        episodes=episodes,
+        confidence=confidence,
+        half_width=precision,
+        visits=visits,
+    )
     run = Path(subject)
     if run.is_dir() and ((run / EVENTS).is_file() or (run / "checkpoints").is_dir()):
-        from tiloilc.evaluate.verify import Wanted
-
-        wanted = Wanted(
-            policy=(policy or Saved.BEST).value,
-            method=(method or Method.AUTO).value,
-            seed=seed,
-            episodes=episodes,
-            confidence=confidence,
-            half_width=precision,
-            visits=visits or 1,
-        )
         found = _verified_run(run, wanted, out, quiet)
     else:
         if about_runs := [name for name, value in given.items() if value is not None]:
             raise fail(f"{about_runs[0]} is about a run, and `{subject}` is none")
-        found = _verified_task(subject)
+        found = _verified_task(subject, wanted, quiet)
     if format is Format.JSON:
         print(json.dumps(found.to_json(), indent=1))
     else:
@@ -138,7 +139,9 @@ def _verified_run(run: Path, wanted: Wanted, out: Path | None, quiet: bool) -> V
     from tiloilc.report.pictures.counterexample import counterexample_picture
 
     with open_job(run) as job:
-        found = verify_run(job.plan, job.demos, job.labels, run, wanted)
+        found = verify_run(
+            job.plan, job.demos, job.labels, run, wanted, lambda text: say(text, quiet)
+        )
         drawn = None
         if found.counterexamples:
             drawn = counterexample_picture(job.plan, wanted.policy, found.counterexamples[0])
@@ -154,7 +157,7 @@ def _verified_run(run: Path, wanted: Wanted, out: Path | None, quiet: bool) -> V
     return found
 
 
-def _verified_task(subject: str) -> Verification:
+def _verified_task(subject: str, wanted: Wanted, quiet: bool) -> Verification:
     """What is known of a task without a run."""
     from tiloilc.driver import labeller
     from tiloilc.evaluate.verify import verify_task
@@ -163,15 +166,24 @@ def _verified_task(subject: str) -> Verification:
     path = task_file(subject)
     if not path.exists():
         raise fail(f"there is no `{subject}`")
-    plan = plan_of(path)
-    with importable(plan.root), guests():
-        return verify_task(plan, labeller(plan))
+    known = subject_of(str(path))
+    if known.plan is None:
+        raise fail("an automaton alone is no task; give a task file or a plan")
+    expert = known.demos.meta.get("expert") if known.demos is not None else None
+    with importable(known.plan.root), guests():
+        return verify_task(
+            known.plan,
+            labeller(known.plan),
+            expert if isinstance(expert, str) else None,
+            wanted,
+            lambda text: say(text, quiet),
+        )
 
 
 def _reaches(found: Verification, wanted: float, quiet: bool) -> bool:
     """Whether it is shown that at least `wanted` is reached: by each agent, or by some policy."""
     if not found.judged:
-        reached = found.maximum is not None and found.maximum.probability >= wanted
+        reached = found.possible(wanted)
         say(f"a policy reaches {wanted:g}: {'yes' if reached else 'not shown'}", quiet)
         return reached
     missing = found.missing(wanted)

@@ -168,13 +168,13 @@ def test_an_environment_without_a_model_is_simulated_and_says_why(tmp_path: Path
     assert (found.simulated is not None, found.maximum) == (True, None)
     with pytest.raises(CompileError, match=r"RUN713.*publishes no finite model"):
         verify_run(*task, run, Wanted(method="exact"))
-    assert verify_task(task[0], task[2]).maximum is None
+    assert verify_task(task[0], task[2], None, Wanted()).maximum is None
 
 
 def test_a_model_that_its_environment_belies_is_refused(tmp_path: Path) -> None:
     task = gambling(steps=200, kwargs={"liar": True})
     with pytest.raises(CompileError, match=r"RUN714.*step \d+ of an episode shows \d, which"):
-        verify_task(task[0], task[2])
+        verify_task(task[0], task[2], None, Wanted())
 
 
 def test_without_storm_nothing_is_exact(
@@ -216,6 +216,16 @@ propositions:
 formula: "{formula}"
 demonstrations: {{source: expert, count: 3}}
 train: {{steps: {steps}, seeds: 3, learning_starts: 200}}
+"""
+
+FLAT = """\
+name: stay
+environment: {id: tiloilc/FlatWorld-v0, horizon: 50}
+propositions:
+  y: dist(pos, [-0.85, 0.15]) < 0.3
+  b: norm(pos) < 0.8
+formula: "F G y & G !b"
+train: {steps: 20_000}
 """
 
 AVOID = GRID.format(
@@ -284,6 +294,35 @@ def test_the_counterexample_of_a_failing_grid_policy_happens_in_the_environment(
     assert ("`z` became true" if what == "z" else "stays in one state") in found.counterexamples[
         0
     ].reason
+
+
+def test_where_jumps_take_a_step_the_chain_has_none_of_their_time(tmp_path: Path) -> None:
+    """`FG goal & G !pit`: the agent that plays comes to stay, and may jump before it is there."""
+    goal_first = stabilization()
+    made = plan(goal_first, "TestsGamble-v0", horizon=120, steps=200, epsilon="step")
+    task = made, DemoSet(()), cell_is(4, 0)
+    run = told(trained(task, tmp_path / "run"), worlds.PLAY, worlds.STAY)
+    known = verify_run(*task, run, Wanted())
+    wanted = Wanted(method="simulate", episodes=300, confidence=0.999, visits=40)
+    for judged, exactly in zip(verify_run(*task, run, wanted).judged, known.judged, strict=True):
+        bounds = judged.found.bounds  # type: ignore[union-attr]
+        assert bounds.low <= exactly.found.accepted <= bounds.high  # type: ignore[union-attr]
+
+
+def test_of_a_task_alone_its_expert_is_watched_where_no_maximum_is_exact(tmp_path: Path) -> None:
+    (tmp_path / "task.yaml").write_text(FLAT, encoding="utf-8")
+    made = compile_spec(tmp_path / "task.yaml").plan
+    heard: list[str] = []
+    wanted = Wanted(episodes=30)
+    found = verify_task(made, labeller(made), "stabilization", wanted, heard.append)
+    assert heard == ["playing 30 episodes of the expert `stabilization`"]
+    assert found.simulated is not None
+    assert found.simulated.pooled.fine == 30
+    assert found.maximum is not None
+    assert (found.maximum.probability, found.maximum.exact) == (1, False)
+    assert found.maximum.how.startswith("Storm on 1,677 states and 81 actions; a lattice of")
+    many = dataclasses.replace(wanted, visits=60)
+    assert verify_task(made, labeller(made), "stabilization", many).simulated.pooled.fine == 0  # type: ignore[union-attr]
 
 
 def test_two_rounds_of_a_cycle_are_no_counterexample(tmp_path: Path) -> None:

@@ -99,7 +99,8 @@ def maximum(model: MarkovModel, letters: Int, plan: Plan) -> Maximum:
     """
     names, formula = plan.ldba.propositions, formula_of(plan)
     size = f"Storm on {len(letters):,} states and {model.successor.shape[1]} actions"
-    how = f"{size}; {model.how}" if not model.exact else size
+    lattice = model.how.removeprefix("dynamic programming on ")  # that is how the optimum is found
+    how = size if model.exact else f"{size}; {lattice}"
     if formula is not None:
         labels = letter_labels(letters, len(names))
         process = Process(_actions(model), labels)

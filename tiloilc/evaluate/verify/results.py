@@ -68,8 +68,8 @@ class Simulated:
     """How trials were made. `pooled` are those of all agents: of one drawn among them each time.
 
     `needed` episodes would say it to within `half_width` whatever the probability is, `needed_here`
-    where it is the share of all trials; None is too many to say. `alike` agents passed the same
-    automaton states in all episodes.
+    where it is the share of all trials; None is too many to say. The agents `alike` passed the same
+    automaton states in all their episodes; `all_alike` says that so did all of them, or the expert.
     """
 
     confidence: float
@@ -81,14 +81,16 @@ class Simulated:
     half_width: float
     needed: int | None
     needed_here: int | None
+    all_alike: bool
     alike: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verification:
-    """The whole of it. `simulated` is None where all is exact; of a task alone nobody is judged.
+    """The whole of it. `simulated` is None where all is exact.
 
-    `why` says why it is not exact. `counterexamples` begin with that of the agent that does worst.
+    Of a task alone nobody is judged; trials are those of its `expert`, if it has one. `why` says
+    why it is not exact. `counterexamples` begin with that of the agent that does worst.
     """
 
     plan: Plan
@@ -98,10 +100,19 @@ class Verification:
     maximum: Maximum | None
     counterexamples: tuple[Counterexample, ...]
     why: str = ""
+    expert: str = ""
 
     def missing(self, wanted: float) -> tuple[int, ...]:
         """The seeds of agents of which it is not shown that they reach `wanted`."""
         return tuple(judged.seed for judged in self.judged if judged.low < wanted)
+
+    def possible(self, wanted: float) -> bool:
+        """Whether it is shown that some policy reaches `wanted`: by the maximum, or the expert."""
+        if self.maximum is not None and self.maximum.probability >= wanted:
+            return True
+        return bool(self.expert) and (
+            self.simulated is not None and self.simulated.pooled.bounds.low >= wanted
+        )
 
     def to_json(self) -> dict[str, object]:
         """The fields of `verify.json`."""
@@ -112,6 +123,7 @@ class Verification:
             "plan_digest": digest(self.plan),
             "goal": self.plan.goal,
             "policy": self.policy or None,
+            "expert": self.expert or None,
             "method": "simulated" if self.simulated else "exact",
             "why_not_exact": self.why or None,
             "agents": [_judged_json(judged) for judged in self.judged],

@@ -52,16 +52,18 @@ class Simulation:
 
     def play(self) -> Trials:
         """All episodes. Raises CompileError RUN707 if the environment fails."""
-        violated, visits, paths = [], [], []
+        violated, visits = [], []
+        first, alike = None, np.ones(self.plan.train.seeds, np.bool_)
         for start in range(0, self.episodes, self.chunk):
             rollout = self.arena.play(self.policy, self._seeds(start, self.chunk))
             kept = min(self.chunk, self.episodes - start)
             violated.append(np.asarray(rollout.sink[:, :kept].any(axis=2)))
             visits.append(rollout.accepting[:, :kept, 1:].sum(axis=2))
             path: Int = np.where(rollout.over, -1, rollout.states)
-            paths.append(path[:, :kept])
-        path = np.concatenate(paths, 1)
-        alike = np.array([bool((one == one[0]).all()) for one in path])
+            first = path[:, :1] if first is None else first
+            alike &= np.array(
+                [bool((one == same).all()) for one, same in zip(path, first, strict=True)]
+            )
         return Trials(np.concatenate(violated, 1), np.concatenate(visits, 1), alike)
 
     def path(self, agent: int, episode: int) -> Path:

@@ -70,6 +70,8 @@ class Unanswered(Exception):
 
 def fractions(targets: Int, chances: NDArray[np.float64]) -> Distribution:
     """One action's outcomes as fractions that sum to 1: 0 left out, the same targets joined."""
+    if len(targets) == 1:
+        return {int(targets[0]): Fraction(1)}
     found: Distribution = {}
     for target, chance in zip(targets.tolist(), chances.tolist(), strict=True):
         if chance > 0:
@@ -142,12 +144,15 @@ def _model(process: Process) -> SparseMdp | SparseDtmc:
         row_groups=0 if chain else states,
     )
     row = 0
+    known: dict[Fraction, Rational] = {}
     for choices in process.actions:
         if not chain:
             builder.new_row_group(row)
         for outcome in choices:
             for target, chance in outcome.items():
-                builder.add_next_value(row, target, Rational(str(chance)))
+                if chance not in known:
+                    known[chance] = Rational(str(chance))
+                builder.add_next_value(row, target, known[chance])
             row += 1
     parts = SparseModelComponents[Rational](
         transition_matrix=builder.build(), state_labeling=_labeling(process)

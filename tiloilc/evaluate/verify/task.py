@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -17,6 +18,7 @@ from tiloilc.evaluate.verify.bounds import clopper_pearson, trials_needed
 from tiloilc.evaluate.verify.chain import decisions, induced_chain
 from tiloilc.evaluate.verify.counterexample import Failure, failure
 from tiloilc.evaluate.verify.exact import Maximum, exactly, formula_of, maximum
+from tiloilc.evaluate.verify.experts import expert_trials
 from tiloilc.evaluate.verify.models import model_of
 from tiloilc.evaluate.verify.results import (
     Counterexample,
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from tiloilc.tasks import MarkovModel
 
 Method = Literal["auto", "exact", "simulate"]
+Tell = Callable[[str], None]
 METHODS: tuple[Method, ...] = ("auto", "exact", "simulate")
 
 EPISODES = 100
@@ -67,18 +70,31 @@ class Wanted:
         return self.episodes or EPISODES
 
 
-def verify_task(plan: Plan, labels: Labels) -> Verification:
-    """The most that any policy could reach; `maximum` is None where there is no finite model.
+def verify_task(
+    plan: Plan, labels: Labels, expert: str | None, wanted: Wanted, tell: Tell = lambda text: None
+) -> Verification:
+    """The most that any policy could reach, and what an expert does where that is not exact.
 
     Raises CompileError RUN713 without Storm, RUN714 if the environment belies its model.
     """
     model, why = model_of(plan)
     best = None if model is None else _maximum(plan, labels, model)
-    return Verification(plan, "", (), None, best, (), why)
+    about = None
+    if why and expert is not None:
+        tell(f"playing {wanted.trials} episodes of the expert `{expert}`")
+        trials = expert_trials(plan, labels, expert, wanted.trials)
+        about = _about(plan, trials, wanted, ())
+    named = "" if about is None else expert or ""
+    return Verification(plan, "", (), about, best, (), why, named)
 
 
 def verify_run(
-    plan: Plan, demos: DemoSet, labels: Labels, run: Path, wanted: Wanted
+    plan: Plan,
+    demos: DemoSet,
+    labels: Labels,
+    run: Path,
+    wanted: Wanted,
+    tell: Tell = lambda text: None,
 ) -> Verification:
     """How likely the greedy policies of the run in the folder `run` satisfy their formula.
 
@@ -97,6 +113,7 @@ def verify_run(
         require_storm(run.as_posix())
         return _exactly(plan, labels, agent, model, wanted, places)
     best = _maximum(plan, labels, model) if model is not None and has_storm() else None
+    tell(f"playing {wanted.trials} episodes of each of {len(places)} agents")
     why = why or "simulation was asked for"
     return replace(_simulated(plan, labels, agent, wanted, places), maximum=best, why=why)
 
@@ -141,10 +158,18 @@ def _simulated(
     trials = simulation.play().of(places)
     fine = trials.fine(wanted.visits)
     sampled = [_sampled(*row, wanted.confidence) for row in zip(fine, trials.violated, strict=True)]
-    pooled = _sampled(fine, trials.violated, wanted.confidence)
-    seeds = [plan.train.first_seed + place for place in places]
+    seeds = tuple(plan.train.first_seed + place for place in places)
+    about = _about(plan, trials, wanted, seeds)
+    judged = tuple(Judged(seed, found) for seed, found in zip(seeds, sampled, strict=True))
+    shown = _shown(simulation, plan, trials, wanted, places)
+    return Verification(plan, wanted.policy, judged, about, None, shown)
+
+
+def _about(plan: Plan, trials: Trials, wanted: Wanted, seeds: tuple[int, ...]) -> Simulated:
+    """How trials were made, all of them together, and how many there should be."""
+    pooled = _sampled(trials.fine(wanted.visits), trials.violated, wanted.confidence)
     half_width = wanted.half_width or HALF_WIDTH
-    about = Simulated(
+    return Simulated(
         wanted.confidence,
         wanted.trials,
         plan.environment.horizon,
@@ -154,11 +179,9 @@ def _simulated(
         half_width,
         trials_needed(0.5, half_width, wanted.confidence),
         trials_needed(pooled.rate, half_width, wanted.confidence),
-        tuple(seed for seed, alike in zip(seeds, trials.alike.tolist(), strict=True) if alike),
+        bool(trials.alike.all()),
+        tuple(seed for seed, alike in zip(seeds, trials.alike, strict=bool(seeds)) if alike),
     )
-    judged = tuple(Judged(seed, found) for seed, found in zip(seeds, sampled, strict=True))
-    shown = _shown(simulation, plan, trials, wanted, places)
-    return Verification(plan, wanted.policy, judged, about, None, shown)
 
 
 def _sampled(fine: NDArray[np.bool_], violated: NDArray[np.bool_], confidence: float) -> Sampled:
