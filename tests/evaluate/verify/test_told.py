@@ -78,6 +78,14 @@ def test_an_agent_that_never_decides_is_told_so() -> None:
     assert said.endswith("in stage 0, without deciding that from here on `state 1` holds (ε-jump)")
 
 
+def test_who_could_not_decide_is_told_what_was_missing() -> None:
+    said = told.repetition(path(stabilization(), ["", ""], 1), made(stabilization()), 1)
+    assert said.endswith("in stage 0, and `y & !b` never holds")
+    reach = translate(parse("F G y", ("y",)).formula, ("y",))
+    idle = told.shortfall(path(reach, [""] * 7), made(reach), 0, 1)
+    assert idle.endswith("in stage 0 since step 0, and `y` did not become true")
+
+
 def test_a_decision_is_part_of_the_way() -> None:
     ldba = stabilization()
     seen = np.zeros((3, 1), np.float32)

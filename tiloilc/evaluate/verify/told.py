@@ -76,7 +76,7 @@ def repetition(path: Path, plan: Plan, nodes: int) -> str:
         stages = sorted({plan.stages.index[b] for b in inside})
         where = f"in stage{'s' if stages[1:] else ''} {_in_a_row(stages)}"
         return f"from step {path.loop} on {what}, {where}, and never comes to acceptance"
-    missing = _missing(plan, inside[0], "never becomes", "never holds")
+    missing = _missing(plan, path, path.loop, ("never becomes", "never holds"))
     return f"from step {path.loop} on {what}, in {place(plan, inside[0])}{missing}"
 
 
@@ -88,7 +88,7 @@ def shortfall(path: Path, plan: Plan, visits: int, wanted: int) -> str:
     of = f" of {wanted}" if wanted > 1 else ""
     ended = len(states) - 1 < plan.environment.horizon
     after = "the environment ended the episode" if ended else "the horizon was over"
-    missing = _missing(plan, states[-1], "did not become", "did not hold")
+    missing = _missing(plan, path, since + (since > 0), ("did not become", "did not hold"))
     where = f"in {place(plan, states[-1])} since step {since}{missing}"
     return f"step {len(states) - 1}: {after} with {made}{of}, {where}"
 
@@ -100,20 +100,26 @@ def place(plan: Plan, b: StateId) -> str:
     return "the sink" if b == plan.ldba.sink else f"stage {plan.stages.index[b]}"
 
 
-def _missing(plan: Plan, b: StateId, becomes: str, holds: str) -> str:
-    """What did not happen in a state that acceptance was not reached from, and a comma."""
-    if b in plan.ldba.accepting or b == plan.ldba.sink:
+def _missing(plan: Plan, path: Path, first: int, verbs: tuple[str, str]) -> str:
+    """What did not happen in the state that a path ends in, short of acceptance, after a comma.
+
+    The letter at step `first` is the first that was read there.
+    """
+    ldba, b = plan.ldba, int(path.states[-1])
+    if b in ldba.accepting or b == ldba.sink:
         return ""
-    teller = Teller(plan.ldba, plan.stages)
-    if teller.must_decide(b):
-        jumps = " or ".join(f"`{plan.ldba.names[c]}`" for c in plan.ldba.jump_targets[b])
-        return f", without deciding that from here on {jumps} holds (ε-jump)"
+    teller = Teller(ldba, plan.stages)
     needs = teller.needs(b)
+    if teller.must_decide(b):
+        jumps, read = ldba.jump_targets[b], set(path.letters[first:].tolist())
+        if any(ldba.successor(c, letter) != ldba.sink for c in jumps for letter in read):
+            bets = " or ".join(f"`{ldba.names[c]}`" for c in jumps)
+            return f", without deciding that from here on {bets} holds (ε-jump)"
+        needs = " | ".join(guard for way in teller.decisions(b) for guard, _ in way.ways)
     if not needs or needs == "true":
         return ", without coming to acceptance"
-    return (
-        f", and `{needs}` {becomes} true" if PLAIN.fullmatch(needs) else f", and `{needs}` {holds}"
-    )
+    verb = f"{verbs[0]} true" if PLAIN.fullmatch(needs) else verbs[1]
+    return f", and `{needs}` {verb}"
 
 
 def _cause(path: Path, ldba: Ldba, t: int) -> str:
