@@ -136,7 +136,7 @@ def swept(made: Plan, shown: DemoSet | None = None, sweeps: int = 150) -> Tabula
     after = np.clip(cell + action - 1, 0, SIZE - 1)
     letter = labels_of(made.ldba)(after.reshape(-1, 1)).reshape(after.shape)
     seen, arrived = cell[..., None].astype(np.float32), after[..., None].astype(np.float32)
-    agent.record(seen, action, arrived, b, letter, np.zeros(b.shape, dtype=np.bool_))
+    agent.record(seen, action, arrived, b, letter, np.zeros(b.shape, dtype=np.bool_), b)
     for _ in range(sweeps):
         agent.learn(0)
     return agent

@@ -91,8 +91,7 @@ def demos(*paths: list[float] | list[list[float]]) -> DemoSet:
 
 def nothing_shown(d: int) -> Shown:
     """No demonstrations."""
-    empty, none = np.zeros((0, d), np.float32), np.zeros(0, np.int64)
-    return Shown(empty, empty, none, none, None, empty)
+    return Shown.states_only(np.zeros((0, d), np.float32))
 
 
 def generator(seed: int = 0) -> torch.Generator:

@@ -92,7 +92,7 @@ def judge(act: Act, seeds: int, episodes: int) -> tuple[float, ...]:
 
 def train_ours(steps: int, first_seed: int, seeds: int, **changes: object) -> Iterator[Point]:
     """Train `seeds` agents as one program; judged every EVERY steps."""
-    from tiloilc.learn.algorithm.plain import PlainSac
+    from tiloilc.learn.agent.plain import PlainSac
 
     given = {**SETTINGS, "steps": steps, "seeds": seeds, "first_seed": first_seed, **changes}
     agent = PlainSac(3, 1, settings := Settings.model_validate(given))

@@ -116,7 +116,10 @@ def _changed(plan: Plan, changes: Mapping[str, object], quiet: bool) -> Settings
         settings = plan.train.override(changes)
     except ValidationError as error:
         raise fail(f"setting {refusal(error)}") from None
-    found = [*settings_findings(settings), *doubtful_findings(settings, plan.ldba, plan.stages)]
+    found = [
+        *settings_findings(settings, plan.demonstrations),
+        *doubtful_findings(settings, plan.ldba, plan.stages),
+    ]
     if any(diagnostic.severity is Severity.ERROR for diagnostic in found):
         raise CompileError(*found)
     if not quiet:

@@ -71,7 +71,8 @@ def analyse(path: str | os.PathLike[str], given: DemoSet | None = None) -> Analy
     document, spec, found = examine_spec(path)
     findings = Findings(list(found))
     if spec is not None:
-        findings.add(settings_findings(spec.train, lambda name: _setting(document, name)))
+        shown = spec.demonstrations
+        findings.add(settings_findings(spec.train, shown, lambda name: _setting(document, name)))
     parsed = findings.attempt(lambda: _parse(document)) if _has(document, "formula") else None
     ldba, stages = _automaton(parsed, document, findings)
     environment = _environment(document, spec)

@@ -9,7 +9,11 @@ from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import Diagnostic, Span, did_you_mean
 from tiloilc.driver.environment import Asked
 from tiloilc.plan import Stages
+from tiloilc.spec import Demonstrations
 from tiloilc.spec.settings import ALGORITHM_GROUP, ALGORITHMS, Settings
+
+IMITATING = ("gail", "pwil", "sqil")
+"""Algorithms that learn from demonstrations alone."""
 
 MAX_BETA = 0.5
 """Below it a later stage always pays more than an earlier one (paper, below Eq. 8)."""
@@ -23,9 +27,12 @@ def _nowhere(name: str) -> Span | None:
     return None
 
 
-def settings_findings(settings: Settings, place: Place = _nowhere) -> Iterator[Diagnostic]:
+def settings_findings(
+    settings: Settings, demonstrations: Demonstrations | None, place: Place = _nowhere
+) -> Iterator[Diagnostic]:
     """PLAN404, JOB604, JOB609 and JOB610; `place` is where a setting is given."""
     yield from _algorithm_findings(settings.algorithm, place)
+    yield from _imitation_findings(settings, demonstrations or Demonstrations(count=0), place)
     if settings.beta >= MAX_BETA:
         beta = f"{settings.beta:g}"
         yield Diagnostic.of("PLAN404", place("beta"), beta=beta, help="1/3 is usual")
@@ -77,6 +84,18 @@ def backbone(settings: Settings, asked: Asked) -> str:
     return settings.backbone
 
 
+def _imitation_findings(
+    settings: Settings, demonstrations: Demonstrations, place: Place
+) -> Iterator[Diagnostic]:
+    """JOB604 where an algorithm that imitates has nothing to imitate."""
+    name = settings.algorithm
+    if name in IMITATING and demonstrations.count == 0:
+        yield _bad("algorithm", f"{name} needs demonstrations", "add some, or use `lcer`", place)
+    elif name == "sqil" and demonstrations.actions == "none":
+        problem = "sqil needs the actions of demonstrations"
+        yield _bad("algorithm", problem, "set `demonstrations.actions: inferred`", place)
+
+
 def doubtful_findings(
     settings: Settings,
     ldba: Ldba,
@@ -88,8 +107,12 @@ def doubtful_findings(
     """JOB605 for settings under which what pays best is not what is asked for.
 
     `entropy` is the greatest that a policy can have, in nats. What is not known of the environment
-    is not doubted.
+    is not doubted. The algorithms that others brought, and baselines, are not TiLoIL's: of them
+    only the targets' step is.
     """
+    yield from _slow_targets(settings, tabular, place)
+    if settings.algorithm not in ("tiloil", "cloning"):
+        return
     short = [b for b in ldba.states if stages.distance[b] > 0]
     spread = settings.beta if settings.stages else 1.0
     index = [stages.index[b] if settings.stages else 0 for b in short]
@@ -111,6 +134,9 @@ def doubtful_findings(
             "a jump reads no letter and acceptance has a constant value: to jump at once is best"
         )
         yield _doubtful("epsilon", problem, "set `accepting_target: live`", place)
+
+
+def _slow_targets(settings: Settings, tabular: bool, place: Place) -> Iterator[Diagnostic]:
     updates = max(settings.steps - settings.learning_starts, 0) * settings.updates_per_step
     if not tabular and updates and (1 - settings.tau) ** updates > 0.5:
         problem = (

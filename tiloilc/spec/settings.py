@@ -30,7 +30,7 @@ Widths = Annotated[tuple[Width, ...], Field(min_length=1, max_length=16)]
 """Limits are far beyond what learns: a slip of the finger is a finding, not a full memory."""
 
 
-ALGORITHMS = ("tiloil", "cloning")
+ALGORITHMS = ("tiloil", "cloning", "lcer", "cycler", "drl2", "gail", "pwil", "sqil")
 """What `algorithm` may be without any package that adds more."""
 
 ALGORITHM_GROUP = "tiloilc.algorithms"
@@ -48,8 +48,9 @@ class Settings(Model):
     algorithm: str = Field(
         pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$",
         examples=list(ALGORITHMS),
-        description="`tiloil` (Algorithm 1); `cloning`, which stops where learning would begin; or "
-        "what an installed package adds",
+        description="`tiloil` (Algorithm 1); `cloning`, which stops where learning would begin; a "
+        "baseline that learns from the formula (`lcer`, `cycler`, `drl2`) or from demonstrations "
+        "(`gail`, `pwil`, `sqil`); or what an installed package adds",
     )
     preset: Literal["default", "paper"] = Field(description="where unset settings come from")
     backbone: Literal["auto", "sac", "tabular"] = Field(
@@ -88,6 +89,16 @@ class Settings(Model):
     end_on_sink: bool = Field(description="stop an episode once acceptance is out of reach")
     sink_reward: Number = Field(ge=-1_000_000, le=0, description="reward of each step in a sink")
     gamma: Number = Field(gt=0, le=0.99999, description="discount γ (Eq. 4, table 5)")
+    gamma_between: Number = Field(
+        gt=0,
+        le=0.99999,
+        description="discount between accepting visits, where eventual discounting has 1: of "
+        "`lcer`, `cycler` and `drl2`",
+    )
+    prior_count: Annotated[Number, Field(gt=0, le=1e12)] = Field(
+        description="how many steps the optimistic prior over an automaton state's edges is worth: "
+        "of `drl2`"
+    )
 
     demo_fraction: Share = Field(
         description="share of demonstration states in a discriminator's positive batch "
@@ -167,12 +178,12 @@ class Settings(Model):
     def _fill(cls, given: object) -> object:
         if not isinstance(given, Mapping):
             return given
-        preset = PRESETS.get(str(given.get("preset")), DEFAULT)
-        return {**preset, **given}
+        preset, algorithm = str(given.get("preset")), str(given.get("algorithm"))
+        return {**preset_of(preset, algorithm), **given}
 
     def overrides(self) -> dict[str, object]:
         """The settings that differ from their preset's."""
-        preset = PRESETS[self.preset]
+        preset = preset_of(self.preset, self.algorithm)
         dumped = self.model_dump()
         return {k: v for k, v in dumped.items() if k in preset and preset[k] != v}
 
@@ -203,6 +214,8 @@ PAPER: MappingProxyType[str, object] = MappingProxyType(
         "end_on_sink": False,
         "sink_reward": -1.0,
         "gamma": 0.99,
+        "gamma_between": 0.9999,
+        "prior_count": 1000.0,
         "demo_fraction": 0.5,
         "demo_replay": 0.0,
         "warm_start": "none",
@@ -262,6 +275,36 @@ DEFAULT: MappingProxyType[str, object] = MappingProxyType(
 """What was measured to be best on the tasks of the paper that run on numpy."""
 
 PRESETS = MappingProxyType({"default": DEFAULT, "paper": PAPER})
+
+_FROM_FORMULA: Mapping[str, object] = {
+    "demo_replay": 0.0,
+    "warm_start": "none",
+    "warm_start_steps": 0,
+    "target_entropy": -1.0,
+}
+_FROM_STATES: Mapping[str, object] = {
+    **_FROM_FORMULA,
+    "segment": False,
+    "end_on_sink": False,
+    "relabel": False,
+}
+
+OF_ALGORITHM: MappingProxyType[str, Mapping[str, object]] = MappingProxyType(
+    {
+        "lcer": {**_FROM_FORMULA, "relabel": True},
+        "cycler": {**_FROM_FORMULA, "relabel": True},
+        "drl2": {**_FROM_FORMULA, "gamma_between": 0.999},
+        "gail": _FROM_STATES,
+        "pwil": _FROM_STATES,
+        "sqil": {**_FROM_STATES, "demo_replay": 0.5},
+    }
+)
+"""What an algorithm is, in any preset: what it may use, and what it knows of the formula."""
+
+
+def preset_of(preset: str, algorithm: str) -> dict[str, object]:
+    """What settings are where nothing is said."""
+    return {**PRESETS.get(preset, DEFAULT), **OF_ALGORITHM.get(algorithm, {})}
 
 
 Train = Settings

@@ -299,7 +299,7 @@ def test_actions_are_inferred_from_states(monkeypatch: pytest.MonkeyPatch) -> No
     action = rng.uniform(-2, 4, (2, n, 1)).astype(np.float32)
     zero = np.zeros((2, n), np.int64)
     agent.replay = type(agent.replay)(2, n, agent.layout.width)
-    agent.record(before, action, before + 0.1 * action, zero, zero, zero.astype(np.bool_))
+    agent.record(before, action, before + 0.1 * action, zero, zero, zero.astype(np.bool_), zero)
     model = fit_inverse_dynamics(agent.replay, agent.layout, agent.generator)
     batch = agent.layout.unpack(agent.replay.rows[:, :200])
     found = model(batch.observation, batch.next_observation)

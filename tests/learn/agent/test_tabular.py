@@ -119,7 +119,7 @@ def agent(seeds: int = 2, **changes: object) -> TabularAgent:
     space = Box(0, SIZE - 1, (1,), np.int64)
     stages, walk = stage_plan(STAY), walk_tables(STAY)
     return TabularAgent(
-        given, stages, walk, space, Discrete(3, start=10), nothing_shown(1), generator()
+        given, stages, walk, space, Discrete(3, start=10), nothing_shown(1), 10, generator()
     )
 
 
@@ -157,7 +157,7 @@ def test_a_tuned_temperature_gives_each_seed_the_wanted_entropy() -> None:
     found.q[0, ..., 0], found.q[1, ..., 0] = 1, 3
     at, moved = np.zeros((2, 1, 1), np.float32), np.array([[10], [10]])
     nowhere = np.zeros((2, 1), np.int64)
-    found.record(at, moved, at, nowhere, nowhere, nowhere > 0)
+    found.record(at, moved, at, nowhere, nowhere, nowhere > 0, nowhere)
     for _ in range(300):
         found.learn(0)
     policy = (found.q[:, 0, 0] / found.alpha[:, None]).softmax(-1)
@@ -206,6 +206,7 @@ def test_an_episode_is_learned_backwards_when_it_ends() -> None:
         Box(0, SIZE - 1, (1,), np.int64),
         Discrete(3),
         nothing_shown(1),
+        10,
         generator(),
     )
     for cell in (3, 2, 1):
@@ -216,6 +217,7 @@ def test_an_episode_is_learned_backwards_when_it_ends() -> None:
             np.array([[1]]),
             np.array([[2 if cell == 1 else 0]]),
             np.array([[False]]),
+            np.array([[1]]),
         )
     found.finish(np.array([[True]]), np.array([[3]]))
     found.learn(0)
@@ -232,7 +234,7 @@ def test_episodes_of_different_lengths_are_learned_each_once() -> None:
     for t, ended in enumerate(([False, False], [True, False], [False, True])):
         cells = np.array([[[t]], [[t + 1]]], np.float32)
         zero = np.zeros((2, 1), np.int64)
-        found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_))
+        found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_), zero)
         length = np.array([[t + 1 if t < 2 else 1], [t + 1]])
         found.finish(np.array(ended)[:, None], length)
     taken = [
@@ -254,7 +256,7 @@ def test_episodes_that_end_together_have_each_their_own_length() -> None:
     zero = np.zeros((2, 1), np.int64)
     for t in range(3):
         cells = np.full((2, 1, 1), t, np.float32)
-        found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_))
+        found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_), zero)
     found.finish(np.array([[True], [True]]), np.array([[1], [3]]))
     taken = [
         (step.batch.observation[0, 0, 0].item(), step.valid[:, 0].tolist()) for step in found.closed
@@ -271,6 +273,7 @@ def test_seeds_learn_from_their_own_steps_only() -> None:
         np.zeros((2, 1), np.int64),
         np.zeros((2, 1), np.int64),
         np.array([[True], [True]]),
+        np.zeros((2, 1), np.int64),
     )
     found.learn(0)
     changed = found.q.nonzero().tolist()
@@ -305,7 +308,8 @@ def test_every_finite_space_is_numbered(
 def _on(space: Any) -> TabularAgent:
     d = int(np.prod(space.shape or (1,)))
     stages, walk = stage_plan(STAY), walk_tables(STAY)
-    return TabularAgent(settings(), stages, walk, space, Discrete(3), nothing_shown(d), generator())
+    shown = nothing_shown(d)
+    return TabularAgent(settings(), stages, walk, space, Discrete(3), shown, 10, generator())
 
 
 def test_the_reward_is_that_of_todays_discriminators() -> None:
@@ -318,6 +322,7 @@ def test_the_reward_is_that_of_todays_discriminators() -> None:
         np.array([[0]]),
         np.array([[0]]),
         np.array([[False]]),
+        np.array([[0]]),
     ]
     found.record(*step)
     found.method.discriminators.values[0, 0, 1] = 0.6  # after the step, before it is learned

@@ -9,9 +9,9 @@ from gymnasium.spaces import Discrete
 
 from tests.learn.examples import generator, settings
 from tests.plan.automata import flatworld_cycle, response
-from tiloilc.learn.algorithm.counts import CountDiscriminators
-from tiloilc.learn.algorithm.discriminators import Discriminators, RunningNorm, StageBuffers
-from tiloilc.learn.algorithm.unions import stage_unions
+from tiloilc.learn.algorithm.discriminator.counts import CountDiscriminators
+from tiloilc.learn.algorithm.discriminator.networks import Discriminators, RunningNorm, StageBuffers
+from tiloilc.learn.algorithm.discriminator.unions import stage_unions
 from tiloilc.learn.engine.cells import Cells
 from tiloilc.plan import stage_plan
 
@@ -32,7 +32,8 @@ def discriminators(
 ) -> Discriminators:
     given = settings(seeds=len(buffers.states), discriminator_rate=0.02, **changes)
     demonstrations = torch.tensor(shown, dtype=torch.float32)[:, None]
-    return Discriminators(STAGES, buffers, demonstrations, given, generator())
+    unions = stage_unions(STAGES, given.stages)
+    return Discriminators(unions, buffers, demonstrations, given, generator())
 
 
 def uniform(*shape: int) -> torch.Tensor:
@@ -104,30 +105,31 @@ def test_buffers_go_on_from_their_state() -> None:
 
 
 def test_the_sink_buffer_is_among_the_negatives_of_every_stage() -> None:
-    positive, negative = stage_unions(STAGES, separate=True)
-    assert (
-        negative.tolist()
-        == [[1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 1], [1, 1, 1, 0, 0, 1]] + [[0] * 6] * 2
-    )
-    assert (
-        positive.tolist()
-        == [[0, 1, 1, 1, 0, 0], [0, 0, 1, 1, 0, 0], [0, 0, 0, 1, 0, 0]] + [[0] * 6] * 2
-    )
-    _, one = stage_unions(STAGES, separate=False)
-    assert one[0, STAGES.sink_buffer] == 1
+    unions = stage_unions(STAGES, separate=True)
+    assert unions.negative.tolist() == [[1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 1], [1, 1, 1, 0, 0, 1]]
+    assert unions.positive.tolist() == [[0, 1, 1, 1, 0, 0], [0, 0, 1, 1, 0, 0], [0, 0, 0, 1, 0, 0]]
+    one = stage_unions(STAGES, separate=False)
+    assert one.negative[0, STAGES.sink_buffer] == 1
+
+
+def test_acceptance_and_the_sink_have_no_discriminator() -> None:
+    unions = stage_unions(STAGES, separate=True)
+    assert unions.slot.tolist() == [0, 1, 2, 3, 3]
+    assert unions.stages == 3
+    assert stage_unions(STAGES, separate=False).slot.tolist() == [0] * 5
 
 
 def test_one_discriminator_for_all_tells_acceptance_from_everything_else() -> None:
-    positive, negative = stage_unions(STAGES, separate=False)
-    assert positive.tolist() == [[0, 0, 0, 1, 0, 0]]
-    assert negative.tolist() == [[1, 1, 1, 0, 1, 1]]
+    unions = stage_unions(STAGES, separate=False)
+    assert unions.positive.tolist() == [[0, 0, 0, 1, 0, 0]]
+    assert unions.negative.tolist() == [[1, 1, 1, 0, 1, 1]]
 
 
 def test_no_buffer_is_positive_and_negative_at_once() -> None:
     for ldba in (flatworld_cycle(), response()):
         for separate in (True, False):
-            positive, negative = stage_unions(stage_plan(ldba), separate)
-            assert not (positive & negative).any()
+            unions = stage_unions(stage_plan(ldba), separate)
+            assert not (unions.positive & unions.negative).any()
 
 
 # normalisation
@@ -283,7 +285,9 @@ def test_discriminators_go_on_from_their_state() -> None:
 
 def counted(shown: Sequence[int] = (), **changes: object) -> CountDiscriminators:
     states = torch.tensor(shown, dtype=torch.float32)[:, None]
-    found = CountDiscriminators(STAGES, Cells.of(Discrete(4)), states, settings(seeds=1, **changes))
+    given = settings(seeds=1, **changes)
+    unions = stage_unions(STAGES, given.stages)
+    found = CountDiscriminators(unions, Cells.of(Discrete(4)), states, given)
     found.counts[0, 3] = torch.tensor([0.0, 2.0, 0.0, 6.0])
     found.counts[0, 0] = torch.tensor([3.0, 1.0, 0.0, 0.0])
     return found

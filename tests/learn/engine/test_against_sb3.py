@@ -18,7 +18,7 @@ from torch import Tensor, nn
 
 from tests.learn.examples import generator, settings
 from tiloilc.bench.contestants.noise import ACTIONS, OBSERVATIONS, Noise
-from tiloilc.learn.algorithm.plain import PlainSac
+from tiloilc.learn.agent.plain import PlainSac
 from tiloilc.learn.engine.networks import StackedMLP
 from tiloilc.learn.engine.sac import LOG_STD_MAX, LOG_STD_MIN
 

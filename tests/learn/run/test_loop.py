@@ -51,7 +51,7 @@ class Spy:
         return options[..., -1]
 
     def record(self, *columns: NDArray[Any]) -> None:
-        names = ("observation", "action", "after", "state", "letter", "terminal")
+        names = ("observation", "action", "after", "state", "letter", "terminal", "arrived")
         self.steps.append({n: np.array(c) for n, c in zip(names, columns, strict=True)})
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:

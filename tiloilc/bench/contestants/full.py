@@ -34,7 +34,7 @@ def main() -> None:
     actions = agent.explore(np.random.default_rng(0), shape)
     seen, zeros = np.zeros((*shape, d), np.float32), np.zeros(shape, np.int64)
     for _ in range(settings.buffer_size // CHUNK):
-        agent.record(seen, actions, seen, zeros, zeros, zeros > 0)
+        agent.record(seen, actions, seen, zeros, zeros, zeros > 0, zeros)
     many = np.zeros((settings.stage_buffer_size, d), np.float32)
     for seed in range(settings.seeds):
         for buffer in range(plan.stages.sink_buffer + 1):

@@ -14,6 +14,7 @@ from tiloilc.learn.agent.shown import Shown
 from tiloilc.learn.engine.networks import Adam, StackedMLP, Tape
 from tiloilc.learn.engine.replay import Layout, Replay
 from tiloilc.learn.engine.sac import SoftActorCritic, imitation
+from tiloilc.product import Floats
 
 INVERSE_HIDDEN = (64, 64)
 INVERSE_STEPS = 1500
@@ -32,12 +33,14 @@ def demonstrated_rows(
     layout: Layout,
     low: NDArray[Any],
     high: NDArray[Any],
+    kept: Floats,
     generator: torch.Generator,
 ) -> Tensor | None:
     """The steps that are `shown` as rows of a replay, [seed, n, width]; None without steps.
 
-    Recorded actions are scaled from between `low` and `high`; where there are none
-    they are inferred from the agent's own steps. Raises CompileError JOB604 if it took none.
+    `kept` [n, columns] is what the algorithm keeps of each. Recorded actions are scaled from
+    between `low` and `high`; where there are none they are inferred from the agent's own steps.
+    Raises CompileError JOB604 if it took none.
     """
     if len(shown.observation) == 0:
         return None
@@ -57,7 +60,8 @@ def demonstrated_rows(
         action = torch.from_numpy(scaled.astype(np.float32)).to(device).expand(seeds, -1, -1)
     rest = torch.from_numpy(np.stack([shown.state, shown.letter], axis=1)).to(before)
     ended = before.new_zeros(seeds, len(shown.state), 1)
-    return torch.cat([before, action, after, rest.expand(seeds, -1, -1), ended], dim=-1)
+    judged = torch.from_numpy(kept).to(before).expand(seeds, -1, -1)
+    return torch.cat([before, action, after, rest.expand(seeds, -1, -1), ended, judged], dim=-1)
 
 
 def fit_inverse_dynamics(

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from tiloilc.learn.agent.cloning import clone, demonstrated_rows
-from tiloilc.learn.agent.shown import Shown
+from tiloilc.learn.agent.held import Held
+from tiloilc.learn.agent.shown import Shown, judged_demonstrations
 from tiloilc.learn.algorithm.method import Setup, make_method, rewards_of
 from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.chance import Chance, draw_shown, draw_states
@@ -45,6 +46,7 @@ class SacAgent:
         observation_space: Space[Any],
         action_space: Box,
         shown: Shown,
+        horizon: int,
         generator: torch.Generator,
         say: Say = lambda text: None,
     ) -> None:
@@ -54,7 +56,6 @@ class SacAgent:
         d, m = shown.observation.shape[1], int(np.prod(action_space.shape))
         self.low, self.high = action_space.low.reshape(-1), action_space.high.reshape(-1)
         self.action_shape = action_space.shape
-        self.layout = Layout(d, m)
         self.code = input_states(walk, settings).to(device)
         self.encode = Inputs(observation_space, shown.positive, self.code, walk.states)
         self.options = torch.from_numpy(walk.options).to(device)
@@ -62,12 +63,15 @@ class SacAgent:
         self.live = self.code[live].unique()
         seeds, buffers = settings.seeds, stages.sink_buffer + 1
         self.sac = SoftActorCritic(seeds, d + walk.states, m, settings, generator)
-        self.memory = memory_of(settings, self.layout.width, d, buffers, self.sac.networks)
+        self.memory = memory_of(settings, Layout(d, m).width, d, buffers, self.sac.networks)
         check_memory(self.memory, device, settings)
         capacity = min(settings.buffer_size, settings.steps)
-        self.replay = Replay(seeds, capacity, self.layout.width, device)
         positive = torch.from_numpy(shown.positive).to(device)
-        self.method = make_method(Setup(settings, stages, walk, positive, capacity, generator))
+        setup = Setup(settings, stages, walk, positive, capacity, horizon, generator)
+        self.method = make_method(setup)
+        self.layout = Layout(d, m, self.method.columns)
+        self.replay = Replay(seeds, capacity, self.layout.width, device)
+        self.held = Held(self.layout)
         self.cloning_weight = torch.zeros((), device=device)
         settled = settings.algorithm in ALGORITHMS  # who knows what others keep
         self.program = Program(self._update, pays(settings), settled, say)
@@ -126,19 +130,26 @@ class SacAgent:
         state: Int,
         letter: Int,
         terminal: NDArray[np.bool_],
+        arrived: Int,
     ) -> None:
-        """Store one transition of each copy; all [seed, copy, …]."""
+        """Store one transition of each copy, all [seed, copy, …], or hold it until it is judged."""
         flat = action.reshape(*state.shape, -1)
         scaled = 2 * (flat - self.low) / (self.high - self.low) - 1
-        self.replay.add(self.layout.pack(observation, scaled, after, state, letter, terminal))
-        self.method.see(after)
+        rows = self.layout.pack(observation, scaled, after, state, letter, terminal)
+        if self.layout.kept:
+            self.held.add(rows, arrived)
+        else:
+            self.replay.add(rows)
+        self.method.see(after, state, arrived)
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
         """Take in a finished segment's states."""
         self.method.segment(seed, buffer, observations)
 
     def finish(self, over: NDArray[np.bool_], length: Int) -> None:
-        """Episodes have ended: transitions are all that matters here."""
+        """Episodes have ended: they can be judged, if the algorithm does."""
+        if self.layout.kept:
+            self.replay.add(self.held.finish(self.method, over, length))
 
     def begin(self) -> bool:
         """The random steps are over: give the demonstrations actions and clone them."""
@@ -151,6 +162,7 @@ class SacAgent:
                     self.layout,
                     self.low,
                     self.high,
+                    judged_demonstrations(self.method, self.shown),
                     self.generator,
                 )
             )
@@ -164,6 +176,8 @@ class SacAgent:
 
     def learn(self, progress: float) -> dict[str, Tensor]:
         """One update, `progress` environment steps since learning began; losses by seed."""
+        if len(self.replay) == 0:  # the first episode is not judged yet
+            return {}
         s, weight = self.settings, 0.0
         gone = progress / max(s.steps - s.learning_starts, 1)
         self.sac.slow(1 - (1 - s.final_rate) * gone)
@@ -210,7 +224,7 @@ class SacAgent:
         if chance.shown is not None and self.demo_rows is not None:
             places = chance.shown.expand(-1, -1, self.layout.width)
             rows = torch.cat([self.demo_rows.gather(1, places), rows], dim=1)
-        batch = self.layout.unpack(rows)
+        batch = self.layout.unpack(rows, self.shown_rows)
         if chance.state is None:
             return batch
         read = torch.where(chance.state < 0, batch.state, chance.state)
@@ -252,6 +266,7 @@ class SacAgent:
             **with_prefix("sac", self.sac.state()),
             **with_prefix("method", self.method.state()),
             **with_prefix("replay", self.replay.state()),
+            **with_prefix("held", self.held.state()),
             "generator": self.generator.get_state(),
             "host": self.host.get_state(),
             "compiled": torch.tensor(self.program.compiled),
@@ -265,6 +280,7 @@ class SacAgent:
         self.sac.load(under("sac", state))
         self.method.load(under("method", state))
         self.replay.load(under("replay", state))
+        self.held.load(under("held", state))
         self.generator.set_state(state["generator"])
         self.host.set_state(state["host"])
         self.program.compiled = bool(state["compiled"])

@@ -46,8 +46,9 @@ class Agent(Policy, Protocol):
         state: Int,
         letter: Int,
         terminal: NDArray[np.bool_],
+        arrived: Int,
     ) -> None:
-        """Take in one step of each copy: (s, b), a, s' and the letter of s'."""
+        """Take in one step of each copy: (s, b), a, s', the letter of s', and b'."""
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
         """Take in a finished segment's states [m, d] for a stage buffer."""

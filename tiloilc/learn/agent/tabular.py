@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,8 +10,10 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from tiloilc.learn.agent.shown import Shown
-from tiloilc.learn.algorithm.method import Setup, make_method, rewards_of
+from tiloilc.learn.agent.shown import Shown, judged_demonstrations
+from tiloilc.learn.agent.shown_steps import ShownSteps
+from tiloilc.learn.agent.steps import Steps, in_each_state, stacked, unstacked
+from tiloilc.learn.algorithm.method import Episode, Setup, make_method, rewards_of
 from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.cells import Cells
 from tiloilc.learn.engine.replay import Batch
@@ -23,17 +25,6 @@ from tiloilc.spec.settings import Settings
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Discrete, Space
-
-
-@dataclass(frozen=True, slots=True)
-class Steps:
-    """One step of every copy, [seed, copy]; `valid` says which copies it belongs to.
-
-    Actions are columns of the table.
-    """
-
-    batch: Batch
-    valid: Tensor
 
 
 class TabularAgent:
@@ -55,6 +46,7 @@ class TabularAgent:
         observation_space: Space[Any],
         action_space: Discrete,
         shown: Shown,
+        horizon: int,
         generator: torch.Generator,
     ) -> None:
         self.settings, self.walk, self.generator = settings, walk, generator
@@ -62,7 +54,7 @@ class TabularAgent:
         self.first_action, self.actions = int(action_space.start), int(action_space.n)
         self.code = input_states(walk, settings)
         positive = torch.from_numpy(shown.positive)
-        setup = Setup(settings, stages, walk, positive, 0, generator, self.cells)
+        setup = Setup(settings, stages, walk, positive, 0, horizon, generator, self.cells)
         self.method = make_method(setup)
         self.tuned = settings.entropy == "tuned" and settings.target_entropy > 0
         alpha = 0.0 if settings.entropy == "tuned" else float(settings.entropy)
@@ -71,9 +63,15 @@ class TabularAgent:
         self.live = self.code[live].unique()
         self.options = torch.from_numpy(walk.options)
         self.floor = self._demonstrated_values(shown)
-        optimistic = settings.optimistic
-        if optimistic == "auto":
-            optimistic = not self.floor.isfinite().any()
+        bounded = bool(self.floor.isfinite().any())
+        self.shown = None
+        if settings.demo_replay > 0 and shown.lengths and not bounded:
+            kept, numbers = (
+                judged_demonstrations(self.method, shown),
+                (settings.seeds, self.actions),
+            )
+            self.shown = ShownSteps(shown, kept, self.cells, *numbers, self.first_action)
+        optimistic = not bounded if settings.optimistic == "auto" else settings.optimistic
         first = 1 / (1 - settings.gamma) if optimistic else 0.0
         shape = (settings.seeds, self.cells.count, walk.states, self.actions)
         self.q = torch.full(shape, first)
@@ -114,12 +112,17 @@ class TabularAgent:
         state: Int,
         letter: Int,
         terminal: NDArray[np.bool_],
+        arrived: Int,
     ) -> None:
         """Keep one step of each copy until its episode ends."""
-        columns = (observation, action - self.first_action, after, state, letter, terminal)
-        parts = [torch.from_numpy(np.ascontiguousarray(column)) for column in columns]
-        self.open.append(Steps(Batch(*parts), torch.ones(state.shape, dtype=torch.bool)))
-        self.method.see(after)
+        columns = (observation, action - self.first_action, after, state, letter, terminal, arrived)
+        *parts, to = (torch.from_numpy(np.ascontiguousarray(column)) for column in columns)
+        everyone = torch.ones(state.shape, dtype=torch.bool)
+        parts += [torch.zeros(*state.shape, self.method.columns), ~everyone]
+        self.open.append(Steps(Batch(*parts), everyone, to))
+        self.method.see(after, state, arrived)
+        if self.shown is not None:
+            self.shown.see(*parts[:3])
 
     def finish(self, over: NDArray[np.bool_], length: Int) -> None:
         """The episodes of the copies in `over` [seed, copy] ended after `length` steps."""
@@ -128,12 +131,25 @@ class TabularAgent:
             return
         longest = int(length[over].max())
         steps = self.open[-longest:]
+        if self.method.columns:
+            self._judge(over, length)
         age = torch.from_numpy(length)
         self.closed += [
             replace(step, valid=ended & (age > k)) for k, step in enumerate(reversed(steps))
         ]
         running = int(length[~over].max(initial=0))
         self.open = self.open[len(self.open) - running :]
+
+    def _judge(self, over: NDArray[np.bool_], length: Int) -> None:
+        """Have the algorithm judge the episodes that ended."""
+        for seed, copy in np.argwhere(over):
+            steps = self.open[len(self.open) - int(length[seed, copy]) :]
+            after = torch.stack([step.batch.next_observation[seed, copy] for step in steps])
+            state = torch.stack([step.batch.state[seed, copy] for step in steps])
+            arrived = torch.stack([step.arrived[seed, copy] for step in steps])
+            kept = self.method.judge(Episode(after.numpy(), state.numpy(), arrived.numpy()))
+            for step, row in zip(steps, torch.from_numpy(kept), strict=True):
+                step.batch.kept[seed, copy] = row
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
         """Take in a finished segment's states."""
@@ -146,9 +162,12 @@ class TabularAgent:
     def learn(self, progress: float) -> dict[str, Tensor]:
         """Learn the latest step, or backwards the episodes that it ended; how far Q moved."""
         steps, losses = self.open[-1:], dict[str, Tensor]()
+        if self.method.columns:  # what is open is not judged yet
+            steps = []
         if self.closed:
             losses = self.method.learn(self.method.draw())
             steps, self.closed = self.closed, []
+            steps += self.shown.backwards() if self.shown is not None else []
         moved = [self._learn_step(step) for step in steps]
         return {**losses, "change": torch.stack(moved).mean(0)} if moved else losses
 
@@ -185,13 +204,16 @@ class TabularAgent:
 
     def state(self) -> State:
         """Everything that learning goes on from."""
-        return {
+        state = {
             **self.policy(),
             **with_prefix("method", self.method.state()),
             "generator": self.generator.get_state(),
-            **with_prefix("open", _stacked(self.open)),
-            **with_prefix("closed", _stacked(self.closed)),
+            **with_prefix("open", stacked(self.open)),
+            **with_prefix("closed", stacked(self.closed)),
         }
+        if self.shown is not None:
+            state["leads"] = self.shown.leads
+        return state
 
     def load(self, state: State) -> None:
         """Take what `state` gave."""
@@ -199,14 +221,16 @@ class TabularAgent:
         self.alpha.copy_(state["alpha"])
         self.method.load(under("method", state))
         self.generator.set_state(state["generator"])
-        self.open = _unstacked(under("open", state))
-        self.closed = _unstacked(under("closed", state))
+        self.open = unstacked(under("open", state))
+        self.closed = unstacked(under("closed", state))
+        if self.shown is not None:
+            self.shown.leads.copy_(state["leads"])
 
     def _learn_step(self, step: Steps) -> Tensor:
         """Move Q towards the algorithm's target for one step of each copy that has it."""
         s, batch, valid = self.settings, step.batch, step.valid
         if s.relabel:
-            batch = _in_each_state(batch, self.live)
+            batch = in_each_state(batch, self.live)
             valid = valid.repeat_interleave(len(self.live), dim=1)
         options = self.options[batch.state, batch.letter]
         value = self._value(self.cells(batch.next_observation)[..., None], options)
@@ -253,7 +277,9 @@ class TabularAgent:
                 for rows in (shown.observation, shown.next_observation)
             )
             letter = none + int(shown.letter[t])
-            batch = _in_each_state(Batch(seen, none, after, none, letter, none > 0), self.live)
+            never, kept = none > 0, torch.zeros(1, 1, self.method.columns)
+            batch = Batch(seen, none, after, none, letter, never, kept, ~never)
+            batch = in_each_state(batch, self.live)
             options = self.options[batch.state, batch.letter]
             value = floor[self.cells(batch.next_observation)[..., None], self.code[options]]
             least = self.method.least(batch, options, value)
@@ -262,29 +288,3 @@ class TabularAgent:
             at = (self.cells(batch.observation), self.code[batch.state])
             floor[at] = floor[at].maximum(least)
         return floor
-
-
-def _in_each_state(batch: Batch, states: Tensor) -> Batch:
-    """Each step [seed, n] read from each of `states` [k] instead: [seed, n · k]."""
-    k = len(states)
-    parts = {f.name: getattr(batch, f.name).repeat_interleave(k, dim=1) for f in fields(Batch)}
-    seeds, n = batch.state.shape
-    return Batch(**{**parts, "state": states.repeat(seeds, n)})
-
-
-def _stacked(steps: list[Steps]) -> State:
-    """Steps as one tensor for each of their parts."""
-    if not steps:
-        return {}
-    names = [f.name for f in fields(Batch)]
-    batch = {name: torch.stack([getattr(s.batch, name) for s in steps]) for name in names}
-    return {**batch, "valid": torch.stack([s.valid for s in steps])}
-
-
-def _unstacked(state: State) -> list[Steps]:
-    """The steps that `_stacked` was given."""
-    if not state:
-        return []
-    parts = [state[f.name].unbind() for f in fields(Batch)]
-    batches = [Batch(*batch) for batch in zip(*parts, strict=True)]
-    return [Steps(*both) for both in zip(batches, state["valid"].unbind(), strict=True)]

@@ -6,10 +6,12 @@ entry point of the group `tiloilc.algorithms`, whose name is what `train.algorit
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Protocol
 
+import numpy as np
 import torch
 from torch import Generator, Tensor
 
@@ -19,7 +21,7 @@ from tiloilc.learn.engine.replay import Batch
 from tiloilc.learn.engine.ring import Ring
 from tiloilc.learn.engine.state import State
 from tiloilc.plan import Stages
-from tiloilc.product import Floats, Walk
+from tiloilc.product import Floats, Int, Walk
 from tiloilc.spec.settings import ALGORITHM_GROUP, ALGORITHMS, Settings
 
 
@@ -28,9 +30,9 @@ class Setup:
     """What a method is made of.
 
     `demonstrations` [rows, d] are states of demonstrations that got somewhere, `capacity` is how
-    many transitions of each seed are kept. All that is random comes from `generator`, and what
-    is learned lies on its device. `cells` numbers the observations of a finite task that is learned
-    in a table.
+    many transitions of each seed are kept, `horizon` how many steps an episode has at most. All
+    that is random comes from `generator`, and what is learned lies on its device. `cells` numbers
+    the observations of a finite task that is learned in a table.
     """
 
     settings: Settings
@@ -38,6 +40,7 @@ class Setup:
     walk: Walk
     demonstrations: Tensor
     capacity: int
+    horizon: int
     generator: Generator
     cells: Cells | None = None
 
@@ -45,6 +48,17 @@ class Setup:
     def dimensions(self) -> int:
         """The numbers in an observation."""
         return self.demonstrations.shape[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Episode:
+    """A whole episode of m steps: the states `after` [m, d] that they led to, and the automaton's
+    `state` before and where it `arrived` [m].
+    """
+
+    after: Floats
+    state: Int
+    arrived: Int
 
 
 class Method(Protocol):
@@ -55,8 +69,16 @@ class Method(Protocol):
     when episodes have ended only.
     """
 
-    def see(self, after: Floats) -> None:
-        """The states [seed, copy, d] that a step has led to."""
+    @property
+    def columns(self) -> int:
+        """How many numbers are kept beside each transition; with any, steps are learned once their
+        episode is over and judged."""
+
+    def see(self, after: Floats, state: Int, arrived: Int) -> None:
+        """The states [seed, copy, d] that a step has led to; b before and after it [seed, copy]."""
+
+    def judge(self, episode: Episode) -> Floats:
+        """What is kept of each step of an episode that is over, [m, columns]: `Batch.kept`."""
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
         """A finished segment's states [m, d], for the stage buffer of that number."""
@@ -114,8 +136,17 @@ class Plain:
     def __init__(self, setup: Setup) -> None:
         self.settings, self.walk = setup.settings, setup.walk
 
-    def see(self, after: Floats) -> None:
+    @property
+    def columns(self) -> int:
         """Nothing is kept."""
+        return 0
+
+    def see(self, after: Floats, state: Int, arrived: Int) -> None:
+        """Nothing is kept."""
+
+    def judge(self, episode: Episode) -> Floats:
+        """Nothing is kept."""
+        return np.zeros((len(episode.state), self.columns), dtype=np.float32)
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
         """Nothing is kept."""
@@ -176,11 +207,9 @@ def make_method(setup: Setup) -> Method:
 
     Raises CompileError JOB610 if it is somebody else's and cannot be made.
     """
-    from tiloilc.learn.algorithm.tiloil import TiLoIL
-
     name = setup.settings.algorithm
     if name in ALGORITHMS:
-        return TiLoIL(setup)
+        return _own(name)(setup)
     point = _registered(name)
     try:
         if point is None:
@@ -190,6 +219,28 @@ def make_method(setup: Setup) -> Method:
         problem = str(error) or type(error).__name__
         raise CompileError(Diagnostic.of("JOB610", name=name, problem=problem)) from error
     return method
+
+
+def _own(name: str) -> Callable[[Setup], Method]:
+    from tiloilc.learn.algorithm.cycler import CyclER
+    from tiloilc.learn.algorithm.drl2 import DRL2
+    from tiloilc.learn.algorithm.gail import GAIL
+    from tiloilc.learn.algorithm.lcer import LCER
+    from tiloilc.learn.algorithm.pwil import PWIL
+    from tiloilc.learn.algorithm.sqil import SQIL
+    from tiloilc.learn.algorithm.tiloil import TiLoIL
+
+    own: dict[str, Callable[[Setup], Method]] = {
+        "tiloil": TiLoIL,
+        "cloning": TiLoIL,
+        "lcer": LCER,
+        "cycler": CyclER,
+        "drl2": DRL2,
+        "gail": GAIL,
+        "pwil": PWIL,
+        "sqil": SQIL,
+    }
+    return own[name]
 
 
 def _registered(name: str) -> EntryPoint | None:

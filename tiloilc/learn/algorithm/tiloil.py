@@ -7,28 +7,28 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from tiloilc.learn.algorithm.counts import CountDiscriminators
-from tiloilc.learn.algorithm.discriminators import Discriminators, StageBuffers
-from tiloilc.learn.algorithm.method import Setup
+from tiloilc.learn.algorithm.discriminator import make_discriminators, stage_unions
+from tiloilc.learn.algorithm.method import Plain, Setup
 from tiloilc.learn.engine.replay import Batch
 from tiloilc.learn.engine.ring import Ring
 from tiloilc.learn.engine.state import State, under, with_prefix
 from tiloilc.plan import Stages
-from tiloilc.product import Floats, Walk
+from tiloilc.product import Floats, Int, Walk
 from tiloilc.spec.settings import Settings
 
 
-class TiLoIL:
+class TiLoIL(Plain):
     """Lines 13 to 23 of Algorithm 1: stage buffers, their discriminators, Eq. 8 and Eq. 4."""
 
     def __init__(self, setup: Setup) -> None:
+        super().__init__(setup)
         s = setup.settings
-        self.settings, self.walk = s, setup.walk
         self.table = StageTable.of(setup.stages, setup.walk, s).to(setup.generator.device)
-        self.discriminators = _discriminators(setup)
+        unions = stage_unions(setup.stages, s.stages)
+        self.discriminators = make_discriminators(setup, unions, setup.demonstrations)
         self.judges = (s.beta > 0 or not s.stages) and self.discriminators.stages > 0
 
-    def see(self, after: Floats) -> None:
+    def see(self, after: Floats, state: Int, arrived: Int) -> None:
         """Normalise by all states so far."""
         self.discriminators.see(after)
 
@@ -103,16 +103,6 @@ class TiLoIL:
     def load(self, state: State) -> None:
         """Take what `state` gave."""
         self.discriminators.load(under("discriminators", state))
-
-
-def _discriminators(setup: Setup) -> Discriminators | CountDiscriminators:
-    s, stages, shown = setup.settings, setup.stages, setup.demonstrations
-    if setup.cells is not None:
-        return CountDiscriminators(stages, setup.cells, shown, s)
-    capacity = min(s.stage_buffer_size, setup.capacity)
-    shape = (s.seeds, stages.sink_buffer + 1, capacity, setup.dimensions)
-    buffers = StageBuffers(*shape, setup.generator.device)
-    return Discriminators(stages, buffers, shown, s, setup.generator)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,8 @@ class Batch:
     """Transitions of the product; each with leading axes [seed, n].
 
     `state` is b, before the step; `letter` is that of `next_observation`, so that the step can be
-    read from any other automaton state as well; `terminal` marks an environment's own end.
+    read from any other automaton state as well; `terminal` marks an environment's own end. `kept`
+    [seed, n, columns] is what the algorithm keeps of each; `shown` marks demonstrated ones.
     """
 
     observation: Tensor
@@ -27,19 +28,22 @@ class Batch:
     state: Tensor
     letter: Tensor
     terminal: Tensor
+    kept: Tensor
+    shown: Tensor
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Where the parts of a transition stand in its row."""
+    """Where the parts of a transition stand in its row, what is `kept` of it last."""
 
     observation: int
     action: int
+    kept: int = 0
 
     @property
     def width(self) -> int:
         """Columns of a row."""
-        return 2 * self.observation + self.action + 3
+        return 2 * self.observation + self.action + 3 + self.kept
 
     def pack(
         self,
@@ -50,8 +54,8 @@ class Layout:
         letter: NDArray[np.int64],
         terminal: NDArray[np.bool_],
     ) -> NDArray[np.float32]:
-        """Rows [seed, n, width] of transitions with leading axes [seed, n]."""
-        rows = np.empty((*state.shape, self.width), dtype=np.float32)
+        """Rows [seed, n, width] of transitions with leading axes [seed, n]; 0 for what is kept."""
+        rows = np.zeros((*state.shape, self.width), dtype=np.float32)
         columns = (state[..., None], letter[..., None], terminal[..., None])
         parts = (observation, action, after, *columns)
         start = 0
@@ -60,10 +64,13 @@ class Layout:
             start += part.shape[-1]
         return rows
 
-    def unpack(self, rows: Tensor) -> Batch:
-        """The parts of rows [seed, n, width]."""
+    def unpack(self, rows: Tensor, shown: int = 0) -> Batch:
+        """The parts of rows [seed, n, width]; the first `shown` are demonstrated ones."""
         d, m = self.observation, self.action
-        observation, action, after, state, letter, terminal = rows.split([d, m, d, 1, 1, 1], dim=-1)
+        observation, action, after, state, letter, terminal, kept = rows.split(
+            [d, m, d, 1, 1, 1, self.kept], dim=-1
+        )
+        told = torch.arange(rows.shape[1], device=rows.device) < shown
         return Batch(
             observation,
             action,
@@ -71,6 +78,8 @@ class Layout:
             state.squeeze(-1).long(),
             letter.squeeze(-1).long(),
             terminal.squeeze(-1) > 0,
+            kept,
+            told.expand(rows.shape[:2]),
         )
 
 

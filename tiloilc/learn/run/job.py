@@ -57,15 +57,15 @@ def make_agent(
     """
     settings, stages = plan.train, plan.stages
     seen, actions = copies.observation_space, copies.action_space
-    backbone = settings.backbone
+    backbone, horizon = settings.backbone, plan.environment.horizon
     if backbone == "auto":
         backbone = "tabular" if copies.finite else "sac"
     if backbone == "tabular" and copies.finite and isinstance(actions, spaces.Discrete):
         generator = torch.Generator().manual_seed(settings.first_seed)
-        return TabularAgent(settings, stages, walk, seen, actions, shown, generator)
+        return TabularAgent(settings, stages, walk, seen, actions, shown, horizon, generator)
     if backbone == "sac" and isinstance(actions, spaces.Box):
         generator = torch.Generator(pick_device(settings.device)).manual_seed(settings.first_seed)
-        return SacAgent(settings, stages, walk, seen, actions, shown, generator, say)
+        return SacAgent(settings, stages, walk, seen, actions, shown, horizon, generator, say)
     raise CompileError(
         Diagnostic.of("JOB608", backbone=backbone, seen=str(seen), actions=str(actions))
     )

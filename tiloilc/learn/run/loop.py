@@ -83,6 +83,7 @@ class Loop:
             self._by_seed(states),
             self._by_seed(product.letters),
             self._by_seed(terminal),
+            self._by_seed(product.states),
         )
         everyone = np.ones(product.copies.count, dtype=np.bool_)
         self._arrive(everyone)

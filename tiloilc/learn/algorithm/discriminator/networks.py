@@ -6,11 +6,10 @@ import torch
 from torch import Tensor
 from torch.nn.functional import softplus
 
-from tiloilc.learn.algorithm.unions import stage_unions
+from tiloilc.learn.algorithm.discriminator.unions import Unions
 from tiloilc.learn.engine.networks import Adam, StackedMLP, Tape
 from tiloilc.learn.engine.ring import Ring
 from tiloilc.learn.engine.state import State, under, with_prefix
-from tiloilc.plan import Stages
 from tiloilc.product import Floats
 from tiloilc.spec.settings import Settings
 
@@ -105,14 +104,12 @@ class RunningNorm:
 class Discriminators:
     """f_b for every stage b: separate networks, or one that is told the stage (appendix F.2).
 
-    A union matrix [state, buffer] names each state's positive and negative buffers; a state without
-    positive ones, such as acceptance and the sink, has no discriminator. Until a stage has been
-    trained its f is 0.
+    `unions` names the buffers that feed each. Until a stage has been trained its f is 0.
     """
 
     def __init__(
         self,
-        stages: Stages,
+        unions: Unions,
         buffers: StageBuffers,
         demonstrations: Tensor,
         settings: Settings,
@@ -121,12 +118,9 @@ class Discriminators:
         device = generator.device
         seeds, _, _, d = buffers.states.shape
         self.settings, self.generator, self.buffers = settings, generator, buffers
-        positive, negative = stage_unions(stages, settings.stages)
-        told = positive.any(1)
-        self.unions = torch.cat([positive[told], negative[told]]).to(device)
-        self.stages = int(told.sum())
-        slot = torch.where(told, told.cumsum(0) - 1, self.stages)
-        self.slot = (slot if settings.stages else slot.expand(len(stages.index))).to(device)
+        self.unions = torch.cat([unions.positive, unions.negative]).to(device)
+        self.stages = unions.stages
+        self.slot = unions.slot.to(device)
         self.shared = settings.discriminator == "shared"
         inputs = d + self.stages if self.shared else d
         stack = seeds if self.shared else seeds * self.stages

@@ -5,11 +5,10 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from tiloilc.learn.algorithm.unions import stage_unions
+from tiloilc.learn.algorithm.discriminator.unions import Unions
 from tiloilc.learn.engine.cells import Cells
 from tiloilc.learn.engine.ring import Ring
 from tiloilc.learn.engine.state import State
-from tiloilc.plan import Stages
 from tiloilc.product import Floats
 from tiloilc.spec.settings import Settings
 
@@ -20,21 +19,20 @@ SMOOTHING = 0.5
 class CountDiscriminators:
     """f_b in closed form: on a table the best logit is the log-ratio of the two frequencies.
 
-    `counts` [seed, buffer, cell] holds how often each state is in each stage buffer, `values`
-    [seed, stage, cell] are tanh f. `demonstrations` [k, d] are states that got somewhere.
+    `counts` [seed, buffer, cell] holds how often each state is in each buffer, `values`
+    [seed, stage + 1, cell] are tanh f, the last ones 0. `demonstrations` [k, d] are states that got
+    somewhere.
     """
 
     def __init__(
-        self, stages: Stages, cells: Cells, demonstrations: Tensor, settings: Settings
+        self, unions: Unions, cells: Cells, demonstrations: Tensor, settings: Settings
     ) -> None:
         self.settings, self.cells = settings, cells
-        self.positive, self.negative = stage_unions(stages, settings.stages)
-        self.told = self.positive.any(1)
-        self.stages = int(self.told.sum())
-        buffers, count = stages.sink_buffer + 1, cells.count
-        self.counts = torch.zeros(settings.seeds, buffers, count, dtype=torch.float64)
+        self.unions, self.stages = unions, unions.stages
+        count = cells.count
+        self.counts = torch.zeros(settings.seeds, unions.buffers, count, dtype=torch.float64)
         self.demonstrations = torch.bincount(cells(demonstrations), minlength=count).double()
-        self.values = torch.zeros(settings.seeds, len(self.positive), count)
+        self.values = torch.zeros(settings.seeds, self.stages + 1, count)
         self.seed = torch.arange(settings.seeds)[:, None]
 
     def see(self, after: Floats) -> None:
@@ -51,20 +49,19 @@ class CountDiscriminators:
 
     def learn(self, chance: State) -> dict[str, Tensor]:
         """Bring tanh f up to date with the counts, for every stage and cell."""
-        own = torch.einsum("kb,sbc->skc", self.positive.double(), self.counts)
-        negative = torch.einsum("kb,sbc->skc", self.negative.double(), self.counts)
+        own = torch.einsum("kb,sbc->skc", self.unions.positive.double(), self.counts)
+        negative = torch.einsum("kb,sbc->skc", self.unions.negative.double(), self.counts)
         positive = _mix(own, self.demonstrations, self.settings.demo_fraction)
         scale = positive.sum(-1, keepdim=True).clamp(min=1)
         other = negative.sum(-1, keepdim=True)
         ratio = (positive + SMOOTHING) / (negative * scale / other.clamp(min=1) + SMOOTHING)
-        known = (positive.sum(-1, keepdim=True) > 0) & (other > 0) & self.told[:, None]
-        self.values = torch.where(known, torch.tanh(ratio.log()), 0.0).float()
+        known = (positive.sum(-1, keepdim=True) > 0) & (other > 0)
+        self.values[:, :-1] = torch.where(known, torch.tanh(ratio.log()), 0.0).float()
         return {}
 
     def bonus(self, observation: Tensor, state: Tensor) -> Tensor:
         """tanh f_b(s) for s [seed, n, d] and b [seed, n]; 0 where b has no f."""
-        stage = state if self.settings.stages else torch.zeros_like(state)
-        return self.values[self.seed, stage, self.cells(observation)]
+        return self.values[self.seed, self.unions.slot[state], self.cells(observation)]
 
     def rings(self) -> dict[str, Ring]:
         """None: counts are kept instead of rows."""
