@@ -277,6 +277,7 @@ DEFAULT: MappingProxyType[str, object] = MappingProxyType(
 PRESETS = MappingProxyType({"default": DEFAULT, "paper": PAPER})
 
 _FROM_FORMULA: Mapping[str, object] = {
+    "optimistic": False,
     "demo_replay": 0.0,
     "warm_start": "none",
     "warm_start_steps": 0,
@@ -301,10 +302,16 @@ OF_ALGORITHM: MappingProxyType[str, Mapping[str, object]] = MappingProxyType(
 )
 """What an algorithm is, in any preset: what it may use, and what it knows of the formula."""
 
+DEFAULT_OF: MappingProxyType[str, Mapping[str, object]] = MappingProxyType(
+    {"pwil": {"learning_rate": 0.1}}
+)
+"""What differs in the default preset: PWIL pays the same step differently each time."""
+
 
 def preset_of(preset: str, algorithm: str) -> dict[str, object]:
     """What settings are where nothing is said."""
-    return {**PRESETS.get(preset, DEFAULT), **OF_ALGORITHM.get(algorithm, {})}
+    own = {} if preset == "paper" else DEFAULT_OF.get(algorithm, {})
+    return {**PRESETS.get(preset, DEFAULT), **OF_ALGORITHM.get(algorithm, {}), **own}
 
 
 Train = Settings
