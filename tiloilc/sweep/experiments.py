@@ -171,7 +171,7 @@ def _findings(analysis: Analysis, variant: Variant) -> Iterator[Diagnostic]:
     if not variant.settings:
         return
     settings, place = spec.train.override(variant.settings), variant.places.get
-    yield from settings_findings(settings, place)
+    yield from settings_findings(settings, spec.demonstrations, place)
     yield from backbone_findings(settings, asked, place)
     tabular = backbone(settings, asked) == "tabular"
     yield from doubtful_findings(settings, ldba, stages, asked.greatest_entropy, tabular, place)
