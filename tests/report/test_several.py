@@ -19,7 +19,11 @@ from tiloilc.report.runs.reading import MOST_FILM
 VERIFIED: dict[str, Any] = {
     "method": "simulated", "policy": "best", "why_not_exact": "it has <infinitely> many states",
     "agents": [{"seed": 0, "probability": 0.96, "low": 0.9, "high": 0.99, "episodes": 1000}],
-    "simulated": {"confidence": 0.95}, "maximum": {"probability": 1.0, "how": "a lattice"},
+    "simulated": {
+        "confidence": 0.95, "horizon": 50, "visits": 2,
+        "pooled": {"probability": 0.97, "low": 0.95, "high": 0.98, "episodes": 3000},
+    },
+    "maximum": {"probability": 1.0, "exact": False, "how": "a lattice"},
     "counterexamples": [
         {"seed": 0, "reason": "It touches b.", "way": ["r at step 3"], "probability": None}
     ],
@@ -153,22 +157,26 @@ def test_what_verification_found_is_told(tmp_path: Path) -> None:
     (run / "verify.json").write_text(json.dumps(VERIFIED))
     page = render([read_run(run)])
     told = section(page, "Verification")
-    assert "estimated from episodes, of the policy <code>best</code>" in told
+    assert "2 accepting visits or more in 50 steps, and no violation" in told
+    assert "of the policy <code>best</code>" in told
+    assert '<th scope="row">any of them</th><td class="num strong">0.97</td>' in told
     assert "0.9 and 0.99" in told
     assert "between [95 %]" in told
     assert "It is not exact: it has &lt;infinitely&gt; many states." in told
-    assert "The most that any policy can reach is 1: a lattice." in told
+    assert "The most that a policy can reach is at least 1: a lattice." in told
     assert "It touches b." in told
     assert "<li>r at step 3</li>" in told
 
 
 def test_an_exact_verification_has_no_bounds(tmp_path: Path) -> None:
     run = write_run(tmp_path / "a")
-    exact = {"method": "exact", "agents": [{"seed": 0, "probability": 1 / 3}]}
+    agents = [{"seed": 0, "probability": 1 / 3}, {"seed": 1, "probability": 0.5, "at_least": True}]
+    exact = {"method": "exact", "agents": agents}
     (run / "verify.json").write_text(json.dumps(exact))
     told = section(render([read_run(run)]), "Verification")
     assert "computed exactly" in told
-    assert "0.3333" in told
+    assert ">0.3333<" in told
+    assert ">≥ 0.5<" in told
     assert "between" not in told
 
 
@@ -178,6 +186,7 @@ def test_an_exact_verification_has_no_bounds(tmp_path: Path) -> None:
         ("{", "is no JSON"),
         ('{"agents": 3}', "`agents` of verify.json is no list"),
         ('{"agents": [{"seed": 0}]}', "an agent has no probability"),
+        ('{"simulated": 3}', "`simulated` of verify.json is no object"),
         ('{"agents": [{"seed": 0.5, "probability": 1}]}', "no whole number"),
     ],
 )

@@ -14,21 +14,28 @@ MOST_FAILURES = 3
 
 def verified(found: Verification) -> Markup:
     """What was found of each seed's policy, the most that is possible, and how it fails."""
-    how = "computed exactly" if found.exact else "estimated from episodes"
+    how = "How likely the formula is satisfied, without a time limit, computed exactly"
+    if not found.exact:
+        how = "How likely an episode is as it should be, from episodes played"
+        if found.horizon is not None and found.visits is not None:
+            visits = f"{found.visits} accepting visit{'' if found.visits == 1 else 's'}"
+            how += f": {visits} or more in {found.horizon} steps, and no violation"
     whose = (", of the policy ", tag("code", found.policy)) if found.policy else ()
-    body = [tag("p", f"The probability of satisfying the formula, {how}", *whose, ".")]
+    body = [tag("p", how, *whose, ".")]
     if found.agents:
         heads = ["Policy", "probability"]
         sampled = any(agent.low is not None for agent in found.agents)
         if sampled:
             level = "" if found.confidence is None else f" [{found.confidence * 100:g} %]"
             heads += [f"between{level}", "episodes"]
-        rows = [tag("tr", _cells(agent, sampled)) for agent in found.agents]
+        shown_ones = [*found.agents, *([] if found.pooled is None else [found.pooled])]
+        rows = [tag("tr", _cells(agent, sampled)) for agent in shown_ones]
         body.append(table(heads, rows, "stages"))
     said = []
     if found.maximum is not None:
         how = f": {found.maximum_how}" if found.maximum_how else ""
-        said.append(f"The most that any policy can reach is {shown(found.maximum)}{how}.")
+        least = "" if found.maximum_exact else "at least "
+        said.append(f"The most that a policy can reach is {least}{shown(found.maximum)}{how}.")
     if found.why_not_exact:
         said.append(f"It is not exact: {found.why_not_exact.rstrip('.')}.")
     if said:
@@ -45,8 +52,10 @@ def verified(found: Verification) -> Markup:
 
 
 def _cells(agent: Agent, sampled: bool) -> list[Markup]:
-    cells = [tag("th", f"seed {agent.seed}", scope="row")]
-    cells.append(tag("td", shown(agent.probability), class_="num strong"))
+    name = "any of them" if agent.seed is None else f"seed {agent.seed}"
+    cells = [tag("th", name, scope="row")]
+    value = f"{'≥ ' if agent.at_least else ''}{shown(agent.probability)}"
+    cells.append(tag("td", value, class_="num strong"))
     if sampled:
         known = agent.low is not None and agent.high is not None
         bounds = f"{shown(agent.low)} and {shown(agent.high)}" if known else "–"

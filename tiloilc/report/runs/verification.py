@@ -13,10 +13,14 @@ __all__ = ["Agent", "Failure", "Verification", "read_verification"]
 
 @dataclass(frozen=True)
 class Agent:
-    """The probability that one seed's policy satisfies the formula; bounds where it was sampled."""
+    """How likely one seed's policy does what is asked, or at least; bounds where it was sampled.
 
-    seed: int
+    `seed` is None for all agents together, of which one is drawn for each episode.
+    """
+
+    seed: int | None
     probability: float
+    at_least: bool
     low: float | None
     high: float | None
     episodes: int | None
@@ -34,14 +38,23 @@ class Failure:
 
 @dataclass(frozen=True)
 class Verification:
-    """`maximum` is the most that any policy could reach; `confidence` that of sampled bounds."""
+    """`maximum` is the most that any policy could reach, or a lower bound of it.
+
+    An exact one is about infinite behaviour. A sampled one is about episodes of `horizon` steps
+    without a violation and with `visits` accepting visits; `pooled` is of all agents, `confidence`
+    that of the bounds.
+    """
 
     exact: bool
     why_not_exact: str
     policy: str
     agents: tuple[Agent, ...]
+    pooled: Agent | None
+    horizon: int | None
+    visits: int | None
     confidence: float | None
     maximum: float | None
+    maximum_exact: bool
     maximum_how: str
     failures: tuple[Failure, ...]
 
@@ -56,13 +69,18 @@ def read_verification(file: Path) -> Verification | None:
         raise Unfit(f"{file.name} is damaged") from None
     maximum = mapping(fields.get("maximum"), f"`maximum` of {file.name}")
     simulated = mapping(fields.get("simulated"), f"`simulated` of {file.name}")
+    pooled = mapping(simulated.get("pooled"), f"`pooled` of {file.name}")
     return Verification(
         exact=fields.get("method") == "exact",
         why_not_exact=str(fields.get("why_not_exact") or ""),
         policy=str(fields.get("policy") or ""),
         agents=tuple(_agent(one, file.name) for one in _list(fields, "agents", file.name)),
+        pooled=_agent(pooled, file.name) if pooled else None,
+        horizon=_whole(simulated.get("horizon")),
+        visits=_whole(simulated.get("visits")),
         confidence=_float(simulated.get("confidence")),
         maximum=_float(maximum.get("probability")),
+        maximum_exact=maximum.get("exact") is not False,
         maximum_how=str(maximum.get("how") or ""),
         failures=tuple(
             _failure(one, file.name) for one in _list(fields, "counterexamples", file.name)
@@ -74,13 +92,14 @@ def _agent(fields: Object, name: str) -> Agent:
     probability = _float(fields.get("probability"))
     if probability is None:
         raise Unfit(f"{name}: an agent has no probability")
-    episodes = fields.get("episodes")
+    seed = fields.get("seed")
     return Agent(
-        integer(fields.get("seed"), f"`seed` of {name}"),
+        None if seed is None else integer(seed, f"`seed` of {name}"),
         probability,
+        fields.get("at_least") is True,
         _float(fields.get("low")),
         _float(fields.get("high")),
-        episodes if isinstance(episodes, int) else None,
+        _whole(fields.get("episodes")),
     )
 
 
@@ -99,6 +118,10 @@ def _list(fields: Object, key: str, name: str) -> list[Object]:
     if not isinstance(value, list):
         raise Unfit(f"`{key}` of {name} is no list")
     return [mapping(one, f"an entry of `{key}` of {name}") for one in value]
+
+
+def _whole(value: Json) -> int | None:
+    return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
 def _float(value: Json) -> float | None:
