@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Discrete, MultiDiscrete
+
+if TYPE_CHECKING:
+    from tiloilc.tasks import MarkovModel
 
 SIZE = 6
 MOVES = ((0, 0), (1, 0), (0, 1), (-1, 0), (0, -1))
@@ -36,6 +39,22 @@ class Courier(gymnasium.Env[np.ndarray, int]):
     def step(self, action: int) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         self.corner = np.clip(self.corner + MOVES[int(action)], 0, SIZE - 1)
         return self.corner.copy(), 0.0, False, False, {}
+
+    def markov_model(self) -> MarkovModel:
+        """All corners, and what each move leads to: what `tiloilc verify` computes with."""
+        from tiloilc.tasks import MarkovModel
+
+        corners = np.array([(x, y) for x in range(SIZE) for y in range(SIZE)])
+        after = np.clip(corners[:, None] + MOVES, 0, SIZE - 1)
+        return MarkovModel(
+            observations=corners,
+            successor=(after[..., :1] * SIZE + after[..., 1:]),
+            probability=np.ones((len(corners), len(MOVES), 1)),
+            initial=(corners[:, 1] == 0) / SIZE,
+            actions=np.arange(len(MOVES)),
+            exact=True,
+            how="all corners",
+        )
 
 
 gymnasium.register("Courier-v0", entry_point=Courier)

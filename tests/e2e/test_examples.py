@@ -114,6 +114,7 @@ def test_the_courier_learns_to_deliver(copied: Path, tiloilc: Run) -> None:
     greedy = evaluation(copied)["greedy"]
     assert min(greedy["accepting_visits"]) >= 3
     assert max(greedy["violation_rate"]) == 0
+    tiloilc("verify", "runs/courier/0001", "--at-least", "1", cwd=copied)
 
 
 @pytest.mark.slow

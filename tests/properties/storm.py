@@ -15,43 +15,27 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 from itertools import count
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from tests.properties.models import Mdp, best_probability, random_mdp
 from tests.properties.variants import Translation, variants
 from tests.strategies import random_formula
 from tiloilc.automaton import from_hoa, to_hoa, translate
-from tiloilc.ltl import parse, subformulas, to_text
-from tiloilc.ltl.ast import (
-    Always,
-    And,
-    Constant,
-    Eventually,
-    Formula,
-    Iff,
-    Implies,
-    Next,
-    Not,
-    Or,
-    Proposition,
-    Release,
-    StrongRelease,
-    Until,
-    WeakUntil,
-    Xor,
+from tiloilc.evaluate.verify.storm import (
+    Process,
+    Unanswered,
+    letter_labels,
+    probabilities,
+    storm_text,
 )
-
-if TYPE_CHECKING:
-    from stormpy.models import SparseMdp
+from tiloilc.ltl import parse, to_text
+from tiloilc.ltl.ast import Formula
 
 ABC = ("a", "b", "c")
 MAX_SIZE = 10
 TOLERANCE = 1e-6
-
-EVERYWHERE = "everywhere"
-"""A label of all states, for `true`: Storm's LTL stumbles over `!true`."""
 
 PATTERNS = (
     "F G ({0}) | G F ({1})",
@@ -142,96 +126,11 @@ def storm_probability(mdp: Mdp, formula: Formula) -> float | None:
 
     None where Storm cannot read what its own translator has written, which happens.
     """
-    import stormpy
-
-    (query,) = stormpy.parse_properties(f"Pmax=? [ {storm_text(formula)} ]")
+    process = Process(mdp.actions, letter_labels(np.array(mdp.labels), len(ABC)))
     try:
-        result = stormpy.model_checking(_storm_model(mdp), query, only_initial_states=True)
-    except RuntimeError as error:
-        if "acc-name headers do not match" not in str(error):
-            raise
+        return float(probabilities(process, storm_text(formula, ABC), [0])[0])
+    except Unanswered:
         return None
-    return float(Fraction(str(result.get_value(0))))
-
-
-def storm_text(formula: Formula) -> str:
-    """`formula` for Storm, which has ! & | X F G U only: by definition, not by our rewriting."""
-    texts: dict[Formula, str] = {}
-    for part in subformulas(formula):
-        texts[part] = f"({_storm_part(part, [texts[child] for child in part.children])})"
-    return texts[formula]
-
-
-def _storm_part(part: Formula, operands: list[str]) -> str:
-    match part:
-        case Constant(value):
-            return f'"{EVERYWHERE}"' if value else f'!"{EVERYWHERE}"'
-        case Proposition(name):
-            return f'"{name}"'
-        case And():
-            return " & ".join(operands)
-        case Or():
-            return " | ".join(operands)
-        case Not():
-            return f"!{operands[0]}"
-        case Next():
-            return f"X {operands[0]}"
-        case Eventually():
-            return f"F {operands[0]}"
-        case Always():
-            return f"G {operands[0]}"
-    left, right = operands
-    match part:
-        case Until():
-            return f"{left} U {right}"
-        case WeakUntil():
-            return f"({left} U {right}) | (G {left})"
-        case Release():
-            return f"!((!{left}) U (!{right}))"
-        case StrongRelease():
-            return f"{right} U ({left} & {right})"
-        case Implies():
-            return f"(!{left}) | {right}"
-        case Iff():
-            return f"({left} & {right}) | ((!{left}) & (!{right}))"
-        case Xor():
-            return f"({left} & (!{right})) | ((!{left}) & {right})"
-    raise AssertionError(f"not an operator: {part!r}")
-
-
-def _storm_model(mdp: Mdp) -> SparseMdp:
-    from stormpy import Rational
-    from stormpy.datastructures import SparseMatrixBuilder
-    from stormpy.models import SparseMdp, SparseModelComponents, StateLabeling
-
-    rows = [distribution for actions in mdp.actions for distribution in actions]
-    builder = SparseMatrixBuilder[Rational](
-        rows=len(rows),
-        columns=len(mdp.labels),
-        entries=sum(map(len, rows)),
-        has_custom_row_grouping=True,
-        row_groups=len(mdp.labels),
-    )
-    row = 0
-    for actions in mdp.actions:
-        builder.new_row_group(row)
-        for distribution in actions:
-            for target, probability in distribution.items():
-                builder.add_next_value(row, target, Rational(probability))
-            row += 1
-    labels = StateLabeling(len(mdp.labels))
-    for label in ("init", EVERYWHERE, *ABC):
-        labels.add_label(label)
-    labels.add_label_to_state("init", 0)
-    for state, letter in enumerate(mdp.labels):
-        labels.add_label_to_state(EVERYWHERE, state)
-        for bit, name in enumerate(ABC):
-            if letter >> bit & 1:
-                labels.add_label_to_state(name, state)
-    parts = SparseModelComponents[Rational](
-        transition_matrix=builder.build(), state_labeling=labels
-    )
-    return SparseMdp[Rational](parts)
 
 
 @dataclass(slots=True)

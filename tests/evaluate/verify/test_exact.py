@@ -94,6 +94,10 @@ def test_nothing_need_lead_into_the_last_state() -> None:
     assert chain.states.tolist() == [0, 1]
     assert exactly(chain, made).probability == 1
     assert maximum(world, np.array([GOAL, PIT]), made).probability == 1
+    both = dataclasses.replace(world, initial=np.array([0.5, 0.5]))
+    chain = chain_of(both, np.array([GOAL, PIT]), made, Told([0, 0]))
+    assert exactly(chain, made).probability == Fraction(1, 2)
+    assert maximum(both, np.array([GOAL, PIT]), made).probability == Fraction(1, 2)
 
 
 def test_only_what_can_be_reached_is_in_the_chain() -> None:

@@ -69,7 +69,7 @@ def exactly(chain: Chain, plan: Plan) -> Exact:
     the formula itself, of the labels alone.
     """
     process = chain.process(len(plan.ldba.propositions))
-    accepted = _expected(chain.initial, probabilities(process, ACCEPTS))
+    accepted = _expected(process, ACCEPTS, chain.initial)
     formula = formula_of(plan)
     if not plan.ldba.jumps or accepted == 1:
         return Exact(accepted, accepted, False, len(chain.states))
@@ -88,7 +88,7 @@ def formula_probability(chain: Chain, formula: Formula, names: tuple[str, ...]) 
     Raises Unanswered where Storm has no answer.
     """
     process = chain.process(len(names))
-    return _expected(chain.initial, probabilities(process, storm_text(formula, names)))
+    return _expected(process, storm_text(formula, names), chain.initial)
 
 
 def maximum(model: MarkovModel, letters: Int, plan: Plan) -> Maximum:
@@ -102,24 +102,24 @@ def maximum(model: MarkovModel, letters: Int, plan: Plan) -> Maximum:
     lattice = model.how.removeprefix("dynamic programming on ")  # that is how the optimum is found
     how = size if model.exact else f"{size}; {lattice}"
     if formula is not None:
-        labels = letter_labels(letters, len(names))
-        process = Process(_actions(model), labels)
+        process = Process(_actions(model), letter_labels(letters, len(names)))
         try:
-            best = probabilities(process, storm_text(formula, names))
+            best = _expected(process, storm_text(formula, names), model.initial)
         except Unanswered:
             pass
         else:
-            return Maximum(_expected(model.initial, best), model.exact, how)
-    best = probabilities(_product(model, letters, plan), ACCEPTS)
-    initial = np.concatenate([model.initial, np.zeros(len(best) - len(model.initial))])
-    return Maximum(_expected(initial, best), model.exact, how)
+            return Maximum(best, model.exact, how)
+    return Maximum(
+        _expected(_product(model, letters, plan), ACCEPTS, model.initial), model.exact, how
+    )
 
 
-def _expected(initial: NDArray[np.float64], values: list[Fraction]) -> Fraction:
-    """The mean of `values` over the first state."""
+def _expected(process: Process, property: str, initial: NDArray[np.float64]) -> Fraction:
+    """The probability of a property, the first state being one of the first ones of `process`."""
     starts = np.flatnonzero(initial > 0)
     weights = fractions(starts, initial[starts])
-    return sum((weight * values[s] for s, weight in weights.items()), Fraction(0))
+    found = probabilities(process, property, starts.tolist())
+    return sum((weight * found[s] for s, weight in weights.items()), Fraction(0))
 
 
 def _actions(model: MarkovModel) -> tuple[tuple[dict[int, Fraction], ...], ...]:

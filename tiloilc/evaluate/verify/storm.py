@@ -6,6 +6,7 @@ project's, and computes with fractions. It is the extra `verify`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
@@ -98,29 +99,29 @@ def require_storm(subject: str) -> None:
         raise CompileError(Diagnostic.of("RUN713", subject=subject, problem=problem, help=help))
 
 
-def probabilities(process: Process, property: str) -> list[Fraction]:
-    """For each state, the (greatest) probability of a path property in Storm's syntax.
+def probabilities(process: Process, property: str, starts: Sequence[int]) -> dict[int, Fraction]:
+    """From each of `starts`, the (greatest) probability of a path property in Storm's syntax.
 
     Raises Unanswered where Storm has no answer.
     """
     import stormpy
 
-    count = len(process.actions)
+    assert starts, "nowhere to begin"
     process = _with_a_last_state(process)
     operator = "P" if process.is_chain else "Pmax"
     (query,) = stormpy.parse_properties(f"{operator}=? [ {property} ]")
-    model = _model(process)
+    model = _model(process, [*starts, len(process.actions) - 1])
     try:
-        result = stormpy.model_checking(model, query, only_initial_states=False)
+        result = stormpy.model_checking(model, query, only_initial_states=True)
     except RuntimeError as error:
         if "acc-name headers do not match" not in str(error):
             raise
         raise Unanswered from error
-    return [Fraction(str(result.get_value(s))) for s in range(count)]
+    return {start: Fraction(str(result.get_value(start))) for start in starts}
 
 
 def _with_a_last_state(process: Process) -> Process:
-    """The process and one more state, in which nothing holds and which is never left.
+    """The process and one more state to begin in, where nothing holds and which is never left.
 
     Storm counts the columns of its product with an automaton by the last state that is entered.
     """
@@ -129,7 +130,7 @@ def _with_a_last_state(process: Process) -> Process:
     return Process((*process.actions, ({last: Fraction(1)},)), labels)
 
 
-def _model(process: Process) -> SparseMdp | SparseDtmc:
+def _model(process: Process, starts: Sequence[int]) -> SparseMdp | SparseDtmc:
     from stormpy import Rational
     from stormpy.datastructures import SparseMatrixBuilder
     from stormpy.models import SparseDtmc, SparseMdp, SparseModelComponents
@@ -155,18 +156,19 @@ def _model(process: Process) -> SparseMdp | SparseDtmc:
                 builder.add_next_value(row, target, known[chance])
             row += 1
     parts = SparseModelComponents[Rational](
-        transition_matrix=builder.build(), state_labeling=_labeling(process)
+        transition_matrix=builder.build(), state_labeling=_labeling(process, starts)
     )
     return SparseDtmc[Rational](parts) if chain else SparseMdp[Rational](parts)
 
 
-def _labeling(process: Process) -> StateLabeling:
+def _labeling(process: Process, starts: Sequence[int]) -> StateLabeling:
     from stormpy.models import StateLabeling
 
     states = len(process.actions)
     labels = StateLabeling(states)
-    everywhere = {name: np.ones(states, np.bool_) for name in ("init", EVERYWHERE)}
-    for name, which in {**everywhere, **process.labels}.items():
+    first = np.isin(np.arange(states), starts)
+    ours = {"init": first, EVERYWHERE: np.ones(states, np.bool_)}
+    for name, which in {**ours, **process.labels}.items():
         labels.add_label(name)
         for state in np.flatnonzero(which).tolist():
             labels.add_label_to_state(name, state)
