@@ -10,7 +10,7 @@ from tiloilc.report.results.rows import Floats, Row
 
 __all__ = [
     "MADE", "NOT_RUN", "between", "cell", "listed", "one_of", "optimum", "pictures", "seeds",
-    "small", "spread", "table",
+    "small", "spread", "table", "whole",
 ]  # fmt: skip
 
 MADE = "Written by `make results` from the records in [`results/`](../../results), not by hand.\n"
@@ -38,18 +38,23 @@ def between(interval: Interval) -> str:
 
 
 def small(*said: str) -> str:
-    """A second line in a cell, in small type; nothing if nothing is said."""
-    words = "; ".join(one for one in said if one)
+    """More lines in a cell, in small type; nothing if nothing is said."""
+    words = "<br>".join(whole(one) for one in said if one)
     return f"<br><sub>{words}</sub>" if words else ""
+
+
+def whole(text: str) -> str:
+    """Text that a narrow column does not break."""
+    return text.replace(" ", "\u00a0")
 
 
 def cell(row: Row | None, *beside: str, strong: bool = False, page: str = "all.md") -> str:
     """A row's visits as a link to the row; below them its seeds and steps, and what is beside."""
     if row is None:
         return NOT_RUN + small(*beside)
-    shown = spread(row.values("greedy"))
+    shown = whole(spread(row.values("greedy")))
     shown = f"**{shown}**" if strong else shown
-    run = f"{one_of(len(row.runs), 'seed')} × {short(row.steps)}"
+    run = f"{len(row.runs)} × {short(row.steps)}"
     if row.short and row.asked is not None:
         run += f" of {short(row.asked)}"
     return f"[{shown}]({page}#{row.anchor})" + small(run, *beside)

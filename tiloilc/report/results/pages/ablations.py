@@ -53,7 +53,8 @@ ABOUT = """\
 A row names what its runs change from the preset beside the part in question: a part is worth
 something only where others do not do its work (demonstrations that are cloned and replayed show
 every way already, [ADR 17](../adr/0017-what-the-default-was-chosen-by.md)). Numbers are accepting
-visits, mean ± standard deviation over seeds, and lead to their records.
+visits, mean ± standard deviation over seeds; they lead to their records, and seeds × steps stand
+below.
 
 """
 

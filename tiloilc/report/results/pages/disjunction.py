@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tiloilc.report.results.book import Book
 from tiloilc.report.results.markdown import MADE
-from tiloilc.report.results.pages.learning import READING, section
+from tiloilc.report.results.pages.learning import READING, sections
 
 TASK = "flatworld_disjunction"
 
@@ -17,7 +17,7 @@ def figure_8(book: Book) -> str:
         "curves, and that TiLoIL chooses its way by where it starts while LCER always takes the\n"
         "same.\n\n"
     )
-    text += READING + section(book, TASK)
+    text += READING + sections(book, [TASK])
     return text + (
         "\nTrajectories are not in records. The report of a run (`tiloilc report RUN`) draws one\n"
         "episode of every seed over the map, from the fixed start; with\n"

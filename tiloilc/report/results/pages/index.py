@@ -16,6 +16,7 @@ from tiloilc.report.results.markdown import (
     small,
     spread,
     table,
+    whole,
 )  # fmt: skip
 from tiloilc.report.results.methods import BASELINES, METHODS, method_name
 from tiloilc.report.results.pages.learning import command
@@ -34,10 +35,10 @@ exceeds 39.5 and 99.3. So the paper's numbers stand beside our visits. Our event
 
 BOLD = """\
 Bold is the highest mean of a task and all that are not below it by more than chance (a 95 %
-bootstrap interval of the difference that keeps clear of 0). A number leads to its records. *Cloning
-alone* is the policy that TiLoIL began with. An optimum with ≥ is a lower bound, reached by real
-actions. The paper's number for TiLoIL is that with β = 1/3, and its best the highest of
-[table 1](table-1.md) and [table 2](table-2.md).
+bootstrap interval of the difference that keeps clear of 0). A number leads to its records; below it
+stand seeds × steps of each. *Cloning alone* is the policy that TiLoIL began with. An optimum with ≥
+is a lower bound, reached by real actions. The paper's number for TiLoIL is that with β = 1/3, and
+its best the highest of [table 1](table-1.md) and [table 2](table-2.md).
 
 """
 
@@ -76,24 +77,25 @@ def overview(
     """A row a task, a column a method; `page` is where the rows' anchors are."""
     shown = ["tiloil", *BASELINES]
     shown += [n for n in book.algorithms if n not in METHODS]
-    heads = ["task", *(method_name(n) for n in shown), "cloning alone", "paper's best", "optimum"]
+    before = ["task", "optimum", "paper's best", "cloning alone"]
+    heads = [*before, *(method_name(n) for n in shown)]
     rows = []
     for task in tasks:
         found = {n: row for n in shown if (row := book.usual(task, n, preset)) is not None}
         top = best_of(list(found.values()))
-        cells = []
+        mine = paper.best(task)
+        cells = [
+            title(task),
+            optimum(book.optimum(task)),
+            "–" if mine is None else whole(mine.text) + small(mine.source),
+            cloning(book, task, preset, page),
+        ]
         for name in shown:
             printed = paper.of_algorithm(task, name)
             beside = "" if printed is None else f"paper {printed.text}"
             row = found.get(name)
             cells.append(cell(row, beside, strong=row in top, page=page))
-        mine = paper.best(task)
-        cells += [
-            cloning(book, task, preset, page),
-            "–" if mine is None else mine.text + small(mine.source),
-            optimum(book.optimum(task)),
-        ]
-        rows.append([title(task), *cells])
+        rows.append(cells)
     return table(heads, rows)
 
 
@@ -115,11 +117,11 @@ def cloning(book: Book, task: str, preset: str, page: str) -> str:
     row = book.usual(task, "cloning", preset)
     if row is not None:
         return cell(row, page=page)
-    whole = book.usual(task, "tiloil", preset)
-    begun = None if whole is None else whole.values("cloning")
-    if whole is None or begun is None or not len(begun):
+    row = book.usual(task, "tiloil", preset)
+    begun = None if row is None else row.values("cloning")
+    if row is None or begun is None or not len(begun):
         return "–"
-    return f"[{spread(begun)}]({page}#{whole.anchor})"
+    return f"[{whole(spread(begun))}]({page}#{row.anchor})"
 
 
 def _letter(book: Book, task: str) -> list[Row]:

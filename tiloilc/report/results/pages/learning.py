@@ -30,10 +30,11 @@ READING = """\
 Curves are eventual returns (Eq. 17 and 18, γ = 0.99) of greedy policies on validation episodes: the
 mean over seeds, with its 95 % bootstrap interval where the paper shades the standard deviation. The
 dashed level is the return of the most visits that are possible, or of the best that is known. In
-the tables *visits* are accepting visits of an episode, not discounted, of each seed's best policy
-on fresh episodes; the paper's tables print such counts, too. The two columns on 90 % say after how
-many steps the mean over seeds first gets there, of the paper's best number for TiLoIL and of the
-optimum; *mean height* is the area under the curve of visits over the steps.
+the tables *visits*, with seeds × steps below, are accepting visits of an episode, not discounted,
+of each seed's best policy on fresh episodes; the paper's tables print such counts, too. The two
+columns on 90 % say after how many steps the mean over seeds first gets there, of the paper's best
+number for TiLoIL and of the optimum; *mean height* is the area under the curve of visits over the
+steps.
 
 """
 
@@ -46,7 +47,7 @@ COLUMNS = (
 def figure_3(book: Book) -> str:
     """TiLoIL and the baselines over training, on the tasks of the paper's figure 3."""
     head = f"# Figure 3: TiLoIL and the baselines over training\n\n{MADE}\n{READING}"
-    return head + _sections(book, FIGURE_3)
+    return head + sections(book, FIGURE_3)
 
 
 def grids(book: Book) -> str:
@@ -57,14 +58,14 @@ def grids(book: Book) -> str:
         "squares in a row, round a cross of squares for ever. The paper prints numbers for the\n"
         "last of the nine only (table 1).\n\n"
     )
-    return head + READING + _sections(book, GRIDS)
+    return head + READING + sections(book, GRIDS)
 
 
 def robots(book: Book) -> str:
     """The tasks on MuJoCo."""
     head = f"# The robots\n\n{MADE}\n"
     head += "Doggo, the Fetch arm and the half cheetah, on MuJoCo.\n\n"
-    return head + READING + _sections(book, ROBOTS)
+    return head + READING + sections(book, ROBOTS)
 
 
 def curves(book: Book) -> dict[str, str]:
@@ -94,16 +95,17 @@ def panel(book: Book, task: str) -> Panel | None:
     return Panel(title(task), "eventual return", lines, level)
 
 
-def _sections(book: Book, tasks: Sequence[str]) -> str:
-    return "\n".join(section(book, task) for task in tasks)
+def sections(book: Book, tasks: Sequence[str]) -> str:
+    """All curves, then a section for each task."""
+    drawn = [task for task in tasks if _drawn(book, task)]
+    shown = [(f"curves/{task}.svg", f"Learning curves of {title(task)}") for task in drawn]
+    gallery = pictures(shown) + "\n" if shown else ""
+    return gallery + "\n".join(section(book, task) for task in tasks)
 
 
 def section(book: Book, task: str) -> str:
-    """One task: its curves, every method's numbers beside the paper's, and what is missing."""
+    """One task: every method's numbers beside the paper's, and what is missing."""
     text = f"## {title(task)}\n\n"
-    if _drawn(book, task):
-        said = f"Learning curves of {title(task)}"
-        text += pictures([(f"curves/{task}.svg", said)]) + "\n"
     mine, best = paper.best(task), book.optimum(task)
     goals = (None if mine is None else mine.mean, None if best is None else best[0])
     rows = [_row(book, task, name, *goals) for name in _shown(book, task)]

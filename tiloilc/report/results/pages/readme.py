@@ -5,7 +5,7 @@ from __future__ import annotations
 from tiloilc.report.results import paper
 from tiloilc.report.results.book import Book
 from tiloilc.report.results.drawing import picture
-from tiloilc.report.results.markdown import NOT_RUN, cell, listed, optimum, small, table
+from tiloilc.report.results.markdown import NOT_RUN, cell, listed, optimum, small, table, whole
 from tiloilc.report.results.methods import BASELINES, method_name
 from tiloilc.report.results.pages.index import cloning
 from tiloilc.report.results.pages.learning import panel
@@ -56,7 +56,7 @@ def _row(book: Book, task: str) -> list[str]:
         cell(book.usual(task, "tiloil"), page=PAGE),
         NOT_RUN if rival is None else cell(rival, beside, page=PAGE),
         cloning(book, task, "default", PAGE),
-        "–" if mine is None else mine.text + small(mine.source),
+        "–" if mine is None else whole(mine.text) + small(mine.source),
         optimum(book.optimum(task)),
     ]
 
