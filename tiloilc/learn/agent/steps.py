@@ -26,9 +26,14 @@ class Steps:
 def in_each_state(batch: Batch, states: Tensor) -> Batch:
     """Each step [seed, n] read from each of `states` [k] instead: [seed, n · k]."""
     k = len(states)
-    parts = {f.name: getattr(batch, f.name).repeat_interleave(k, dim=1) for f in fields(Batch)}
+    parts = {f.name: repeated(getattr(batch, f.name), k) for f in fields(Batch)}
     seeds, n = batch.state.shape
     return Batch(**{**parts, "state": states.repeat(seeds, n)})
+
+
+def repeated(rows: Tensor, times: int) -> Tensor:
+    """Each of the rows [seed, n, …] so many times in turn, [seed, n · times, …]."""
+    return rows.unsqueeze(2).expand(-1, -1, times, *rows.shape[2:]).flatten(1, 2)
 
 
 def stacked(steps: list[Steps]) -> State:

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from tiloilc.learn.agent.shown import Shown, judged_demonstrations
 from tiloilc.learn.agent.shown_steps import ShownSteps
-from tiloilc.learn.agent.steps import Steps, in_each_state, stacked, unstacked
+from tiloilc.learn.agent.steps import Steps, in_each_state, repeated, stacked, unstacked
 from tiloilc.learn.algorithm.method import Episode, Setup, make_method, rewards_of
 from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.cells import Cells
@@ -58,6 +58,7 @@ class TabularAgent:
         self.method = make_method(setup)
         self.tuned = settings.entropy == "tuned" and settings.target_entropy > 0
         alpha = 0.0 if settings.entropy == "tuned" else float(settings.entropy)
+        self.soft = self.tuned or alpha > 0
         self.alpha = torch.full((settings.seeds,), 1.0 if self.tuned else alpha)
         live = [b for b in range(walk.states) if b != walk.sink]
         self.live = self.code[live].unique()
@@ -86,7 +87,7 @@ class TabularAgent:
             return values.argmax(-1).numpy() + self.first_action
         noise = torch.rand(values.shape, generator=self.generator)
         best = torch.where(values == values.amax(-1, keepdim=True), noise, -1.0).argmax(-1)
-        if (self.alpha > 0).any():  # the greatest Q + α · Gumbel is drawn from π
+        if self.soft:  # the greatest Q + α · Gumbel is drawn from π
             gumbel = -(-noise.clamp(1e-9, 1 - 1e-7).log()).log()
             best = (values + self.alpha[:, None, None] * gumbel).argmax(-1)
         anything = torch.randint(self.actions, best.shape, generator=self.generator)
@@ -231,15 +232,17 @@ class TabularAgent:
         s, batch, valid = self.settings, step.batch, step.valid
         if s.relabel:
             batch = in_each_state(batch, self.live)
-            valid = valid.repeat_interleave(len(self.live), dim=1)
+            valid = repeated(valid, len(self.live))
         options = self.options[batch.state, batch.letter]
         value = self._value(self.cells(batch.next_observation)[..., None], options)
         target = self.method.target(batch, options, value)
         row = (self.seed, self.cells(batch.observation), self.code[batch.state])
         at = (*row, batch.action)
         gap = torch.where(valid, s.learning_rate * (target - self.q[at]), 0.0)
-        taken = tuple(index.expand_as(valid)[valid] for index in at)
-        self.q[taken] += gap[valid]
+        if valid.all():
+            self.q[at] += gap
+        else:
+            self.q[tuple(index.expand_as(valid)[valid] for index in at)] += gap[valid]
         if self.tuned:
             self._tune(self.q[row], valid)
         return gap.abs().view(*step.valid.shape, -1).mean(-1).sum(1)
@@ -248,6 +251,8 @@ class TabularAgent:
         """V(s, b) [seed, n, K] of s [seed, n, 1] and b, no less than what demonstrations show."""
         arrived = self.code[state]
         q = self.q[self.seed[..., None], cell, arrived]
+        if not self.soft:
+            return q.amax(-1).maximum(self.floor[cell, arrived])
         alpha = self.alpha[:, None, None]
         soft = alpha * (q / alpha.clamp(min=1e-30)[..., None]).logsumexp(-1)
         return torch.where(alpha > 0, soft, q.amax(-1)).maximum(self.floor[cell, arrived])
