@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import signal
@@ -95,10 +96,10 @@ def test_a_mistake_in_the_last_is_told_before_the_first_begins(workdir: Path, ru
     assert not Path("runs").exists()
 
 
-def started(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+def started(folder: Path, *arguments: str, before: tuple[str, ...] = ()) -> subprocess.Popen[str]:
     """A sweep as a program in a process group of its own."""
     return subprocess.Popen(
-        [sys.executable, "-m", "tiloilc", "sweep", *arguments],
+        [sys.executable, *before, "-m", "tiloilc", "sweep", *arguments],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path.cwd()), *sys.path])},
         stdout=subprocess.PIPE,
@@ -176,6 +177,31 @@ def test_a_sweep_killed_at_any_moment_ends_like_one_that_never_was(tmp_path: Pat
     records = [read(folder / "results/corridor.jsonl.gz") for folder in (whole, killed)]
     assert [same_part(r) for r in records[0]] == [same_part(r) for r in records[1]]
     assert len(records[0]) == 4
+
+
+@pytest.mark.slow
+def test_jobs_end_with_their_sweep_whatever_signals_are_blocked(tmp_path: Path) -> None:
+    """Ray's workers block SIGINT, a shell's background jobs ignore it; both are inherited."""
+    task(tmp_path)
+    ignore = "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN); "
+    block = "signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}); "
+    script = ignore + block + "os.execv(sys.executable, [sys.executable, *sys.argv[1:]])"
+    options = ("corridor.yaml", "--steps", "1_000_000", "--set", "checkpoint_every=1_000_000")
+    process = started(tmp_path, *options, before=("-c", script))
+    until("runs/sweep/jobs/*/runs/*/*/events.jsonl", tmp_path, process)
+    (job,) = children(process.pid)
+    os.kill(process.pid, signal.SIGKILL)
+    process.communicate()
+    until_gone(job)
+    assert list(tmp_path.glob("runs/sweep/jobs/*/runs/*/*/checkpoints/*.json"))
+
+
+def until_gone(pid: int) -> None:
+    """Wait until there is no such process."""
+    with contextlib.suppress(ProcessLookupError):
+        while True:
+            os.kill(pid, 0)
+            time.sleep(0.05)
 
 
 @pytest.mark.slow

@@ -15,6 +15,8 @@ OPTIONAL = {
     "mujoco": "mujoco",
     "onnx": "onnx",
     "stormpy": "verify",
+    "ray": "ray",
+    "submitit": "slurm",
     "tensorboard": "tensorboard",
     "stable-baselines3": "bench",
     "sbx-rl": "bench",

@@ -10,7 +10,7 @@ from tests.sweep.made import Feigned, experiments, records_of, task
 from tiloilc.diag import CompileError
 from tiloilc.evaluate import append, read
 from tiloilc.sweep import Experiment, Job, Outcome, Sweep, carry_out, collect, jobs_of, table
-from tiloilc.sweep.child import RECORDS
+from tiloilc.sweep.work import RECORDS
 
 
 @pytest.fixture

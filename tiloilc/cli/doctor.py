@@ -51,6 +51,8 @@ OPTIONAL = {
         "exact verification of policies",
         "pip install 'tiloilc[verify]'",
     ),
+    "ray": ("ray", "sweeps over many machines", "pip install 'tiloilc[ray]'"),
+    "submitit": ("submitit", "sweeps over a Slurm cluster", "pip install 'tiloilc[slurm]'"),
     "tensorboard": (
         "tensorboard",
         "curves while training",

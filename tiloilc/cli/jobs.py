@@ -67,14 +67,18 @@ def open_job(
 
 
 def settings_given(
-    pairs: Sequence[str], steps: str | None, seeds: int | None, device: str | None = None
+    pairs: Sequence[str],
+    steps: str | None,
+    seeds: int | None,
+    device: str | None = None,
+    option: str = "--set",
 ) -> dict[str, object]:
     """The settings of the command line: `--set K=V` and those that have options of their own."""
     changes: dict[str, object] = {}
     for pair in pairs:
         name, equals, value = pair.partition("=")
         if not equals:
-            raise fail(f"--set needs NAME=VALUE, not `{pair}`")
+            raise fail(f"{option} needs NAME=VALUE, not `{pair}`")
         changes[name.strip()] = _value(value.strip())
     if steps is not None:
         changes["steps"] = steps

@@ -107,7 +107,7 @@ def command(
     if not specs and not merge:
         raise fail("name task files or sweep files, or records to --merge")
     options = _options(algorithms, steps, changes, seeds, first_seed, seeds_per_job, records)
-    chosen = _chosen_engine(engine, workers, engine_options or [])
+    chosen = _chosen_engine(engine, workers, engine_options or [], folder)
     asked = sweeps.requests(specs or [], options)
     with guests():
         experiments, found = sweeps.check(asked)
@@ -134,7 +134,7 @@ def command(
         sweep = sweeps.Sweep(experiments, sweeps.collect(sweep), folder)
         failed: Mapping[str, Outcome] = {}
         if sweep.jobs:
-            with SweepProgress(sweep, quiet) as progress:
+            with guests(), SweepProgress(sweep, quiet) as progress:  # Ray talks on standard output
                 failed = sweeps.carry_out(sweep, chosen, progress.watch)
     print(sweeps.table(experiments, sweeps.recorded(experiments, wanted, commit)))
     if failed:
@@ -186,14 +186,24 @@ def _options(
     return Options(wanted, checked, seeds, first_seed, seeds_per_job, records)
 
 
-def _chosen_engine(name: str, workers: int | None, pairs: Sequence[str]) -> Engine:
-    """The engine. Raises Exit 2 for options that it has not."""
-    from tiloilc.sweep import Local
+def _chosen_engine(name: str, workers: int | None, pairs: Sequence[str], folder: Path) -> Engine:
+    """The engine, if its library is there. Raises Exit 2 for options that it has not."""
+    from tiloilc.sweep import Local, Ray, Slurm
+    from tiloilc.sweep import ray as of_ray
+    from tiloilc.sweep import slurm as of_slurm
 
-    if pairs and name == "local":
-        raise fail("--engine-set is for Ray and Slurm")
-    assert name == "local", name
-    return Local(workers or _cores())
+    options = settings_given(pairs, None, None, option="--engine-set")
+    if name == "local":
+        if options:
+            raise fail("--engine-set is for Ray and Slurm")
+        return Local(workers or _cores())
+    if workers is not None:
+        raise fail("--workers is for this machine; a cluster has its own")
+    if name == "ray":
+        of_ray.require()
+        return Ray(options)
+    of_slurm.require()
+    return Slurm(folder, options)
 
 
 def _cores() -> int:

@@ -29,6 +29,8 @@ class SweepProgress:
         self.jobs = {job.id: job for job in sweep.jobs}
         self.running: dict[str, float] = {}
         self.undone = set(self.jobs)
+        self.told = False  # some engines do not know what has begun
+        self.began = time.monotonic()
         self.ended = self.failed = 0
         self.seconds, self.cost = 0.0, 0
         self.drawn, self.width = 0.0, 0
@@ -41,6 +43,7 @@ class SweepProgress:
             case None:
                 pass
             case Started(id):
+                self.told = True
                 self.running[id] = time.monotonic()
                 self._print(f"begun   {self._name(self.jobs[id])}", keep=True)
             case outcome:
@@ -69,7 +72,8 @@ class SweepProgress:
         parts = [f"{self.ended} of {len(self.jobs)} done"]
         if self.failed:
             parts.append(f"{self.failed} failed")
-        parts.append(f"{len(self.running)} running")
+        if self.told:
+            parts.append(f"{len(self.running)} running")
         left = self.left()
         if left is not None:
             parts.append(f"{clock(left)} left")
@@ -82,7 +86,8 @@ class SweepProgress:
         now = time.monotonic()
         spent = sum(now - began for began in self.running.values())
         cost = sum(self.jobs[id].cost for id in self.undone)
-        return max(cost * self.seconds / self.cost - spent, 0.0) / max(len(self.running), 1)
+        aside = max(len(self.running), self.seconds / max(now - self.began, 1.0), 1.0)
+        return max(cost * self.seconds / self.cost - spent, 0.0) / aside
 
     def _name(self, job: Job) -> str:
         one = self.sweep.experiments[job.number]

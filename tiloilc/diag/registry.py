@@ -231,5 +231,6 @@ RULES: dict[str, Rule] = _rules(
     Rule(
         "RUN714", E, "false-model", "the model that `{id}` publishes of itself is wrong: {problem}"
     ),
+    Rule("RUN715", E, "no-such-engine", "cannot use the engine `{engine}`: {problem}"),
 )
 """All rules by code, in the order of their codes."""

@@ -5,8 +5,10 @@ from tiloilc.sweep.engine import Engine, Event, Started
 from tiloilc.sweep.experiments import Experiment, Job, check, jobs_of
 from tiloilc.sweep.local import Local
 from tiloilc.sweep.model import Changes, given
+from tiloilc.sweep.ray import Ray
 from tiloilc.sweep.recorded import Same, merge, recorded
 from tiloilc.sweep.request import RECORDS, Options, Request, requests
+from tiloilc.sweep.slurm import Slurm
 from tiloilc.sweep.table import table
 from tiloilc.sweep.work import Outcome
 
@@ -20,8 +22,10 @@ __all__ = [
     "Local",
     "Options",
     "Outcome",
+    "Ray",
     "Request",
     "Same",
+    "Slurm",
     "Started",
     "Sweep",
     "carry_out",

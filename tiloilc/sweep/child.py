@@ -19,8 +19,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-RECORDS, RUNS = "records.jsonl.gz", "runs"
-"""What a job leaves in its folder: its records when it is done, and its run."""
+from tiloilc.sweep.work import RECORDS, RUNS
 
 GRACE = 120.0
 """Seconds for a last checkpoint, after which the process ends whatever it does."""
@@ -28,6 +27,9 @@ GRACE = 120.0
 
 def main(folder: Path, arguments: list[str]) -> None:
     """Do the job, or go on with it, unless another process has done it meanwhile."""
+    if hasattr(signal, "pthread_sigmask"):  # a parent's mask is inherited; workers of Ray have one
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     with alone(folder):
         if (folder / RECORDS).is_file():
@@ -40,9 +42,10 @@ def main(folder: Path, arguments: list[str]) -> None:
 def _end_with_parent() -> None:
     while os.read(0, 1):
         continue
-    signal.raise_signal(signal.SIGINT) if os.name == "nt" else signal.pthread_kill(
-        threading.main_thread().ident or 0, signal.SIGINT
-    )
+    if hasattr(signal, "pthread_kill"):  # the main thread may wait in the system
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+    else:  # pragma: no cover - Windows
+        signal.raise_signal(signal.SIGINT)
     time.sleep(GRACE)
     os._exit(130)
 

@@ -11,10 +11,9 @@ from pathlib import Path
 from tiloilc.driver import plan_file, write_build
 from tiloilc.evaluate import append
 from tiloilc.plan import digest
-from tiloilc.sweep.child import RECORDS
 from tiloilc.sweep.engine import Engine, Event
 from tiloilc.sweep.experiments import Experiment, Job
-from tiloilc.sweep.work import Outcome, Work, arguments, left, records_of
+from tiloilc.sweep.work import RECORDS, Outcome, Work, arguments, left, records_of
 
 JOBS, BUILDS = "jobs", "builds"
 

@@ -7,10 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from tiloilc.sweep.engine import Event, Started
-from tiloilc.sweep.work import Process, Work
-
-PAUSE = 0.1
-"""Seconds between two looks at the processes."""
+from tiloilc.sweep.work import PAUSE, Process, Work
 
 
 @dataclass(frozen=True)

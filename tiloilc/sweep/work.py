@@ -7,17 +7,21 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from tiloilc.diag import CompileError
 from tiloilc.evaluate import Record, read
-from tiloilc.sweep.child import RECORDS, RUNS
 
-LOG = "log.txt"
+RECORDS, RUNS, LOG = "records.jsonl.gz", "runs", "log.txt"
+"""What a job leaves in its folder: its records when it is done, its run, what it said."""
+
 TAIL = 12
 """Lines of a failed job's log that are told."""
+
+PAUSE = 0.1
+"""Seconds between two looks at a process."""
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -79,9 +83,9 @@ class Process:
                 start_new_session=True,  # Ctrl-C is for the sweep, which then tells its jobs
             )  # fmt: skip
 
-    def outcome(self, wait: bool = False) -> Outcome | None:
-        """What came of it; None as long as it runs, unless one waits."""
-        status = self._process.wait() if wait else self._process.poll()
+    def outcome(self) -> Outcome | None:
+        """What came of it; None as long as it runs."""
+        status = self._process.poll()
         if status is None:
             return None
         self.interrupt()
@@ -104,6 +108,26 @@ class Process:
             self._process.kill()
             self._process.wait()
             raise
+
+
+def do(work: Work, watch: Callable[[Process], None] = lambda process: None) -> Outcome:
+    """Do a job to its end, on whichever machine this is; what goes wrong is in the outcome.
+
+    `watch` looks at the process now and then. If it raises, or this is interrupted, so is the job,
+    which then writes a checkpoint.
+    """
+    began = time.monotonic()
+    try:
+        process = Process(work)
+    except (OSError, CompileError) as error:
+        return Outcome(work.id, (), str(error), (), time.monotonic() - began)
+    try:
+        while (outcome := process.outcome()) is None:
+            watch(process)
+            time.sleep(PAUSE)
+    finally:
+        process.end()
+    return outcome
 
 
 def outcome_of(folder: Path, status: int) -> tuple[tuple[str, ...], str]:
