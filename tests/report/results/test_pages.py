@@ -198,12 +198,16 @@ def test_demonstrations_that_differ_have_their_pages(files: dict[str, TaskFile])
     given = files["carlo"].demonstrations
     carlo = {"name": "carlo", "overrides": {}, "steps": 200_000}
     unsafe = {"file": "../x/carlo_unsafe.npz", "count": 5, "max_visits": 2, "actions": "inferred"}
-    found = records([1.0], **carlo, demonstrations=given)
-    found += records([2.0], **carlo, demonstrations={**given, "count": 111})
+    found = records([1.0], **carlo, demonstrations=given, curve=[[1.0], [2.0]])
+    found += records([2.0], **carlo, demonstrations={**given, "count": 111}, curve=[[1.0], [2.0]])
     found += records([3.0], **carlo, demonstrations=unsafe)
     found += records([4.0], **carlo, demonstrations={**given, "max_steps": 200})
     book = Book.of(found, files)
-    sizes = line_of(demonstrations.figure_6(book), "| Carlo |")
+    made = demonstrations.files(book)
+    assert [name for name in made if name.endswith(".svg")] == [
+        "demonstrations/figure-6/carlo.svg", "demonstrations/figure-7/carlo.svg"
+    ]  # fmt: skip
+    sizes = line_of(made["figure-6.md"], "| Carlo |")
     assert re.findall(r"\[(\d\.00) ± 0.00\]", sizes) == ["1.00", "2.00"]
     assert "(111)" in sizes
     assert "[3.00 ± 0.00]" in line_of(demonstrations.table_3(book), "| Carlo |")

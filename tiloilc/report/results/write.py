@@ -27,8 +27,6 @@ def files(book: Book) -> dict[str, str]:
         "all.md": every.page(book),
         "comparison.md": comparison.comparison(book),
         "figure-3.md": learning.figure_3(book),
-        "figure-6.md": demonstrations.figure_6(book),
-        "figure-7.md": demonstrations.figure_7(book),
         "figure-8.md": disjunction.figure_8(book),
         "grids.md": learning.grids(book),
         "robots.md": learning.robots(book),
@@ -39,6 +37,7 @@ def files(book: Book) -> dict[str, str]:
     }
     if drawn := readme.figure(book):
         pages["overview.svg"] = drawn
+    pages |= demonstrations.files(book)
     return {**pages, **learning.curves(book), **ablations.files(book)}
 
 

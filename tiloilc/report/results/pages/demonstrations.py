@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from tiloilc.report.results import paper
 from tiloilc.report.results.book import Book
-from tiloilc.report.results.markdown import MADE, cell, listed, optimum, table
-from tiloilc.report.results.measures import gap
-from tiloilc.report.results.methods import method_name
+from tiloilc.report.results.drawing import Line, Panel, picture
+from tiloilc.report.results.markdown import MADE, cell, listed, optimum, pictures, table
+from tiloilc.report.results.measures import gap, line, most_return
+from tiloilc.report.results.methods import Ink, method_name
+from tiloilc.report.results.pages.learning import BEST
 from tiloilc.report.results.rows import FRESH, Row
 from tiloilc.report.results.tasks import title
 
@@ -28,24 +31,66 @@ results/TASK.jsonl.gz`. Records name the demonstrations they are of.
 """
 
 
-def figure_6(book: Book) -> str:
-    """TiLoIL with more demonstrations."""
-    text = f"# Figure 6: more demonstrations\n\n{MADE}\n"
-    text += (
-        "TiLoIL with 5, 10 and what the paper calls all demonstrations, whose number differs by\n"
-        "task. The paper shows curves and prints no results. Numbers are accepting visits.\n\n"
-    )
-    return text + _sizes(book, ("tiloil",)) + HOW.replace("`demonstrations`", "`count`")
+INKS = {
+    "5": Ink("#0068b3", "#58aef2", width=2.8),
+    "10": Ink("#00875f", "#3ccb9d"),
+    "all": Ink("#c77f00", "#f2b13c"),
+}
+"""A colour for each size; GAIL's curves are dashed."""
 
 
-def figure_7(book: Book) -> str:
-    """TiLoIL and GAIL with more demonstrations."""
-    text = f"# Figure 7: TiLoIL and GAIL with more demonstrations\n\n{MADE}\n"
+def files(book: Book) -> dict[str, str]:
+    """The pages of figures 6 and 7 and their drawings, by their paths."""
+    made: dict[str, str] = {}
+    for number, methods in (("6", ("tiloil",)), ("7", ("tiloil", "gail"))):
+        drawn = _panels(book, methods, f"demonstrations/figure-{number}")
+        made |= {path: picture([one], 1, one.title) for path, one in drawn.items()}
+        made[f"figure-{number}.md"] = _figure(book, number, methods, drawn)
+    return made
+
+
+def _figure(book: Book, number: str, methods: Sequence[str], drawn: Mapping[str, Panel]) -> str:
+    names = listed([method_name(method) for method in methods])
+    text = f"# Figure {number}: {names} with more demonstrations\n\n{MADE}\n"
     text += (
-        "The paper shows curves of both with 5, 10 and all demonstrations and prints no results.\n"
-        "Numbers are accepting visits.\n\n"
+        f"{names} with 5, 10 and what the paper calls all demonstrations, whose number differs by\n"
+        "task. The paper shows curves and prints no results. Numbers are accepting visits, with\n"
+        "seeds × steps below; curves are eventual returns with 95 % bootstrap intervals.\n\n"
     )
-    return text + _sizes(book, ("tiloil", "gail")) + HOW.replace("`demonstrations`", "`count`")
+    if drawn:
+        text += pictures([(path, panel.title) for path, panel in drawn.items()]) + "\n"
+    return text + _sizes(book, methods) + HOW.replace("`demonstrations`", "`count`")
+
+
+def _panels(book: Book, methods: Sequence[str], folder: str) -> dict[str, Panel]:
+    """A panel for each task with more than the usual demonstrations, by its path."""
+    drawn = {}
+    for task in SIZES:
+        lines: list[Line] = []
+        more = False
+        for method in methods:
+            for (size, ink), row in zip(INKS.items(), _by_size(book, task, method), strict=True):
+                look = replace(ink, dash="7 3") if method != "tiloil" else ink
+                name = f"{method_name(method)}, {size}"
+                found = None if row is None else line(row, name, look)
+                lines += [] if found is None else [found]
+                more = more or (found is not None and size != "5")
+        if more:
+            best = book.optimum(task)
+            level = None if best is None else (BEST, most_return(best[0]))
+            drawn[f"{folder}/{task}.svg"] = Panel(title(task), "eventual return", lines, level)
+    return drawn
+
+
+def _by_size(book: Book, task: str, method: str) -> list[Row | None]:
+    """Its rows with 5, 10 and all demonstrations."""
+    more = [_with(book, task, method, {"count": n}) for n in ("10", _all(task))]
+    return [book.usual(task, method), *more]
+
+
+def _all(task: str) -> str:
+    """How many the paper's full demonstrations are."""
+    return f"{paper.numbers()['figure 6', task, 'full'].mean:g}"
 
 
 def table_3(book: Book) -> str:
@@ -86,12 +131,9 @@ def table_4(book: Book) -> str:
 def _sizes(book: Book, methods: Sequence[str]) -> str:
     rows = []
     for task in SIZES:
-        whole = f"{paper.numbers()['figure 6', task, 'full'].mean:g}"
         for method in methods:
-            found = [book.usual(task, method)]
-            found += [_with(book, task, method, {"count": n}) for n in ("10", whole)]
-            shown = [cell(row) for row in found]
-            shown[2] = f"{shown[2]} ({whole})"
+            shown = [cell(row) for row in _by_size(book, task, method)]
+            shown[2] = f"{shown[2]} ({_all(task)})"
             rows.append([title(task), method_name(method), *shown, optimum(book.optimum(task))])
     missing = [row[0] for row in rows if "not run" in " ".join(row)]
     heads = ["task", "method", "5", "10", "all", "optimum"]
