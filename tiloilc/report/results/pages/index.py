@@ -159,7 +159,8 @@ def _told(book: Book) -> str:
         "In full means ten seeds or more and at least the steps of the task file. A method is run\n"
         "on a task, and its records are added, by (for example)\n"
         f"`{command('flatworld_cycle', 'algorithm=lcer')}`;\n"
-        "`make results` then writes these pages.\n"
+        "`make results` then writes these pages. `tiloilc sweep sweeps/FILE.yaml` runs a whole\n"
+        "campaign and skips what is recorded.\n"
     )
     return "".join(lines) + "\n" + asked
 
