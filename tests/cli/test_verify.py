@@ -111,7 +111,7 @@ def test_a_check_by_simulation_asks_for_what_the_bounds_show(trained: Path, run:
     asked = ("verify", trained, "--method", "simulate", "--seed", "0", "-q")
     status, out, _ = run(*asked, "--episodes", "50", "--at-least", "0.95")
     assert status == 1, "all fifty are fine, and yet 0.95 is not shown"
-    assert "     0       50/50           0       1.0000  0.9289 – 1.0000\n" in out
+    assert "     0       50/50      0 (≤ 0.0711)       1.0000  0.9289 – 1.0000\n" in out
     assert "all episodes passed the same automaton states at the same steps: seeds 0\n" in out
     assert run(*asked, "--episodes", "80", "--at-least", "0.95")[0] == 0
     assert run(*asked, "--episodes", "50", "--confidence", "0.8", "--at-least", "0.95")[0] == 0

@@ -72,7 +72,7 @@ def _simulated(found: Verification, about: Simulated) -> Iterator[str]:
     yield f"policy `{found.policy}`: no violation and {visits} within {about.horizon} steps"
     yield f"by simulation: {found.why}"
     percent = f"{about.confidence * 100:.6g} %"
-    yield f"{'seed':>6}{'fine':>12}{'violations':>12}{'probability':>13}  {percent} bounds"
+    yield f"{'seed':>6}{'fine':>12}{'violations':>18}{'probability':>13}  {percent} bounds"
     for judged in found.judged:
         sampled: Sampled = judged.found  # type: ignore[assignment]  # all were simulated
         yield f"{judged.seed:>6}{_row(sampled)}"
@@ -99,7 +99,8 @@ def _by_expert(found: Verification, about: Simulated) -> Iterator[str]:
 def _row(sampled: Sampled) -> str:
     fine = f"{sampled.fine}/{sampled.episodes}"
     bounds = f"{sampled.bounds.low:.4f} – {sampled.bounds.high:.4f}"
-    return f"{fine:>12}{sampled.violated:>12}{sampled.rate:>13.4f}  {bounds}"
+    violated = f"{sampled.violated} (≤ {sampled.lost.high:.4f})"
+    return f"{fine:>12}{violated:>18}{sampled.rate:>13.4f}  {bounds}"
 
 
 def _count(episodes: int | None) -> str:

@@ -177,6 +177,59 @@ def test_a_model_that_its_environment_belies_is_refused(tmp_path: Path) -> None:
         verify_task(task[0], task[2], None, Wanted())
 
 
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"probability": np.ones((5, 2, 2))}, "`probability` has probabilities that do not sum"),
+        ({"initial": np.ones(5)}, "`initial` has probabilities that do not sum to 1"),
+        ({"successor": np.full((5, 2, 2), 5)}, "`successor` leads out of the states 0 to 4"),
+        ({"successor": np.zeros((5, 2), int)}, "are not both"),
+        ({"actions": np.arange(3)}, "`actions` are not 2"),
+        ({"observations": np.zeros((4, 1))}, "are not of 5 states"),
+    ],
+)
+def test_what_is_no_model_is_refused(
+    changes: dict[str, Any], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken = dataclasses.replace(worlds.gamble(), **changes)
+    monkeypatch.setattr(worlds.Gamble, "markov_model", lambda self: broken)
+    task = gambling()
+    with pytest.raises(CompileError, match=f"RUN714.*{said}"):
+        verify_task(task[0], task[2], None, Wanted())
+
+
+def test_an_end_of_the_environment_must_be_one_of_its_model(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    step = worlds.Gamble.step
+
+    def ends(self: worlds.Gamble, action: int) -> Any:
+        return (*step(self, action)[:2], self.place in self.final, False, {})
+
+    task = gambling()
+    monkeypatch.setattr(worlds.Gamble, "step", ends)
+    monkeypatch.setattr(worlds.Gamble, "final", (0, 4), raising=False)
+    maximum = verify_task(task[0], task[2], None, Wanted()).maximum
+    assert maximum is not None
+    assert maximum.probability == Fraction(9, 10)
+    monkeypatch.setattr(worlds.Gamble, "final", (0, 3))
+    with pytest.raises(CompileError, match=r"RUN714.*ends it, and there the model goes on"):
+        verify_task(task[0], task[2], None, Wanted())
+
+
+def test_an_environment_that_fails_or_publishes_something_else_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    task = gambling()
+    with monkeypatch.context() as patch:
+        patch.setattr(worlds.Gamble, "markov_model", lambda self: "odd")
+        with pytest.raises(CompileError, match=r"RUN714.*publishes str"):
+            verify_task(task[0], task[2], None, Wanted())
+    monkeypatch.setattr(worlds.Gamble, "step", lambda self, action: 1 / 0)
+    with pytest.raises(CompileError, match=r"RUN707.*ZeroDivisionError"):
+        verify_task(task[0], task[2], None, Wanted())
+
+
 def test_without_storm_nothing_is_exact(
     gambled: tuple[Task, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -89,7 +89,8 @@ def decisions(
 ) -> Decisions:
     """Ask the greedy policies of `seeds` agents about each pair of states."""
     n, states = len(letters), walk.states
-    column = {action: i for i, action in enumerate(np.asarray(model.actions).tolist())}
+    order = np.argsort(model.actions)
+    known = np.asarray(model.actions)[order]
     observations = np.asarray(model.observations, np.float32).reshape(n, -1)
     columns = np.zeros((seeds, n * states), np.int64)
     arrivals = np.zeros((seeds, n * states), np.int64)
@@ -99,7 +100,7 @@ def decisions(
         seen = np.broadcast_to(observations[s], (seeds, len(pairs), observations.shape[1])).copy()
         here = np.broadcast_to(b, (seeds, len(pairs))).copy()
         actions = policy.act(seen, here, True)
-        columns[:, pairs] = np.vectorize(column.__getitem__, otypes=[np.int64])(actions)
+        columns[:, pairs] = order[np.searchsorted(known, actions)]
         options = np.broadcast_to(
             walk.options[b, letters[s]], (seeds, len(pairs), walk.width)
         ).copy()

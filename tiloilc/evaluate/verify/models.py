@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
 MAX_OUTCOMES = 1_000_000
 """Outcomes of a model beyond which it is left out; Storm is asked about them one by one."""
 
+ROUNDING = 1e-6
+"""By which a sum of probabilities may miss 1."""
+
 TRIED = 5, 200
 """Episodes, and steps of each, in which a model is compared with its environment."""
 
@@ -28,48 +33,91 @@ def model_of(plan: Plan) -> tuple[MarkovModel | None, str]:
     """The model that the environment of `plan` publishes, and why it is not exact; empty if it is.
 
     An exact model is compared with the environment in a few random episodes. Raises CompileError
-    RUN714 if it says that what happens there is impossible, RUN707 if the environment fails.
+    RUN714 if it is no model, or says that what happens there is impossible, RUN707 if the
+    environment fails.
     """
     from tiloilc.tasks import markov_model
 
-    env = single(plan.environment)
+    env, name = single(plan.environment), plan.environment.id
     try:
-        model = markov_model(env)
+        try:
+            model = markov_model(env)
+        except Exception as error:  # an environment is anyone's code
+            raise _wrong(name, f"{type(error).__name__}: {error}") from error
+        if model is not None and (fault := _fault(model)):
+            raise _wrong(name, fault)
         if model is None:
-            return None, f"`{plan.environment.id}` publishes no finite model of itself"
+            return None, f"`{name}` publishes no finite model of itself"
         if model.successor.size > MAX_OUTCOMES:
             problem = f"its model has {model.successor.size:,} outcomes, more than {MAX_OUTCOMES:,}"
             return None, problem
         if not model.exact:
-            return model, f"the finite model of `{plan.environment.id}` is not exact"
+            return model, f"the finite model of `{name}` is not exact"
         pairs = len(model.initial) * len(plan.ldba.names)
         if pairs > MAX_PAIRS:
             return model, f"there are {pairs:,} pairs of states, more than {MAX_PAIRS:,}"
-        _compare(env, model, plan.environment.id)
+        _compare(env, model, name)
         return model, ""
     finally:
         env.close()
 
 
 def _compare(env: gymnasium.Env[Any, Any], model: MarkovModel, name: str) -> None:
-    """Random episodes: each step must be one that the model thinks possible."""
+    """Random episodes: each step must be one that the model thinks possible, and an end an end."""
     rng = np.random.default_rng(0)
     shown = np.asarray(model.observations, np.float32).reshape(len(model.observations), -1)
     actions = np.asarray(model.actions)
     for episode in range(TRIED[0]):
-        observation, _ = env.reset(seed=episode)
+        observation, over = _asked(name, partial(env.reset, seed=episode))[0], False
         here = np.flatnonzero((model.initial > 0) & _like(shown, observation))
-        for step in range(TRIED[1]):
+        for step in range(TRIED[1] + 1):
+            when = f"step {step} of an episode" if step else "the start of an episode"
             if not len(here):
-                when = f"step {step} of an episode" if step else "the start of an episode"
-                problem = f"{when} shows {np.asarray(observation).tolist()}, which is none of them"
-                raise CompileError(Diagnostic.of("RUN714", id=name, problem=problem))
+                seen = np.asarray(observation).tolist()
+                raise _wrong(name, f"{when} shows {seen}, which is none of its states then")
+            if over:
+                if not _is_never_left(model, here):
+                    raise _wrong(name, f"{when} ends it, and there the model goes on")
+                break
             column = int(rng.integers(len(actions)))
-            observation, _, over, _, _ = env.step(actions[column])
+            observation, _, over, _, _ = _asked(name, partial(env.step, actions[column]))
             after = model.successor[here, column][model.probability[here, column] > 0]
             here = np.unique(after[_like(shown[after], observation)])
-            if over:
-                break
+
+
+def _is_never_left(model: MarkovModel, states: NDArray[np.int64]) -> bool:
+    """Whether one of `states` only leads to itself: an episode that ends stays where it is."""
+    stays = (model.successor[states] == states[:, None, None]) | (model.probability[states] == 0)
+    return bool(stays.all(axis=(1, 2)).any())
+
+
+def _fault(model: MarkovModel) -> str:
+    """What is wrong with a model on its own, empty if nothing is."""
+    shape = model.successor.shape
+    if len(shape) != 3 or model.probability.shape != shape:
+        return "`successor` and `probability` are not both [state, action, outcome]"
+    if not len(model.observations) == len(model.initial) == shape[0]:
+        return f"`observations` and `initial` are not of {shape[0]} states, as `successor` is"
+    if len(model.actions) != shape[1]:
+        return f"`actions` are not {shape[1]}, as `successor` has them"
+    if (model.successor < 0).any() or (model.successor >= shape[0]).any():
+        return f"`successor` leads out of the states 0 to {shape[0] - 1}"
+    for chances, named in ((model.probability, "probability"), (model.initial, "initial")):
+        if (chances < 0).any() or (abs(chances.sum(axis=-1) - 1) > ROUNDING).any():
+            return f"`{named}` has probabilities that do not sum to 1"
+    return ""
+
+
+def _asked(name: str, do: Callable[[], tuple[Any, ...]]) -> tuple[Any, ...]:
+    try:
+        return do()
+    except Exception as error:  # an environment is anyone's code
+        problem = f"{type(error).__name__}: {error}"
+        raise CompileError(Diagnostic.of("RUN707", id=name, problem=problem)) from error
+
+
+def _wrong(name: str, problem: str) -> CompileError:
+    return CompileError(Diagnostic.of("RUN714", id=name, problem=problem))
 
 
 def _like(shown: NDArray[np.float32], observation: object) -> NDArray[np.bool_]:

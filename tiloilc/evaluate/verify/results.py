@@ -17,13 +17,15 @@ VERIFY, SCHEMA_VERSION = "verify.json", 1
 class Sampled:
     """Trials of one agent, or of all together: `fine` of `episodes` did what was wanted.
 
-    `violated` led into the sink; `bounds` hold the probability with the confidence asked for.
+    `violated` led into the sink. `bounds` hold the probability of what was wanted, and `lost` that
+    of a violation, each with the confidence asked for.
     """
 
     fine: int
     violated: int
     episodes: int
     bounds: Interval
+    lost: Interval
 
     @property
     def rate(self) -> float:
@@ -184,6 +186,8 @@ def _sampled_json(found: Sampled) -> dict[str, object]:
         "high": found.bounds.high,
         "fine": found.fine,
         "violated": found.violated,
+        "violation_low": found.lost.low,
+        "violation_high": found.lost.high,
         "episodes": found.episodes,
     }
 

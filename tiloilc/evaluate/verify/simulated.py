@@ -1,4 +1,4 @@
-"""Episodes of a policy as trials of its task: no violation, and enough accepting visits."""
+"""Episodes of a policy or an expert as trials: no violation, and enough accepting visits."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tiloilc.demos import DemoSet, play, replay_all
+from tiloilc.diag import CompileError
 from tiloilc.evaluate.rollout import Arena
 from tiloilc.evaluate.seeds import EVALUATION
 from tiloilc.evaluate.verify.told import Path
@@ -82,3 +84,27 @@ class Simulation:
         each = -(-self.episodes // self.chunk) * self.chunk
         agents = range(self.plan.train.seeds)
         return [EVALUATION + i * each + start + j for i in agents for j in range(count)]
+
+
+def expert_trials(plan: Plan, labels: Labels, expert: str, episodes: int) -> Trials:
+    """The episodes of one expert as trials, [1, episode]: without noise, where that can be had.
+
+    At ε-jumps they are read in their own favour. Raises CompileError DEMO506 or DEMO509 if there is
+    no such expert.
+    """
+    made = plan.environment
+    seeds = range(EVALUATION, EVALUATION + episodes)
+    try:
+        played = play(
+            made.id, made.kwargs, horizon=made.horizon, expert=expert, seeds=seeds, noise=0.0
+        )
+    except CompileError as error:
+        if all(diagnostic.code != "DEMO509" for diagnostic in error.diagnostics):
+            raise
+        played = play(made.id, made.kwargs, horizon=made.horizon, expert=expert, seeds=seeds)
+    runs = replay_all(DemoSet(played), labels, plan.ldba)[1]
+    violated = np.array([[run.violates_at is not None for run in runs]])
+    visits = np.array([[run.visits for run in runs]])
+    first = runs[0].states
+    alike = all(np.array_equal(run.states, first) for run in runs)
+    return Trials(violated, visits, np.array([alike]))

@@ -18,7 +18,6 @@ from tiloilc.evaluate.verify.bounds import clopper_pearson, trials_needed
 from tiloilc.evaluate.verify.chain import decisions, induced_chain
 from tiloilc.evaluate.verify.counterexample import Failure, failure
 from tiloilc.evaluate.verify.exact import Maximum, exactly, formula_of, maximum
-from tiloilc.evaluate.verify.experts import expert_trials
 from tiloilc.evaluate.verify.models import model_of
 from tiloilc.evaluate.verify.results import (
     Counterexample,
@@ -27,7 +26,7 @@ from tiloilc.evaluate.verify.results import (
     Simulated,
     Verification,
 )
-from tiloilc.evaluate.verify.simulated import Simulation, Trials
+from tiloilc.evaluate.verify.simulated import Simulation, Trials, expert_trials
 from tiloilc.evaluate.verify.storm import has_storm, require_storm
 from tiloilc.learn import Agent, Labels, load_policy, make_loop
 from tiloilc.plan import Plan
@@ -186,8 +185,9 @@ def _about(plan: Plan, trials: Trials, wanted: Wanted, seeds: tuple[int, ...]) -
 
 def _sampled(fine: NDArray[np.bool_], violated: NDArray[np.bool_], confidence: float) -> Sampled:
     successes, trials = int(fine.sum()), fine.size
+    lost = int(violated.sum())
     bounds = clopper_pearson(successes, trials, confidence)
-    return Sampled(successes, int(violated.sum()), trials, bounds)
+    return Sampled(successes, lost, trials, bounds, clopper_pearson(lost, trials, confidence))
 
 
 def _shown(
