@@ -1,17 +1,23 @@
 """The pages of results: they are those of the records, and say what was and was not run."""
 
+import json
 import re
+import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.report.results.records import records
-from tiloilc.evaluate import Record
+from tiloilc.evaluate import Record, append
+from tiloilc.report.results.__main__ import main
 from tiloilc.report.results.book import Book, open_book
+from tiloilc.report.results.measures import mean_of_tasks
 from tiloilc.report.results.pages import (
     ablations,
     comparison,
     demonstrations,
+    efficiency,
     every,
     index,
     learning,
@@ -218,9 +224,10 @@ def test_demonstrations_that_differ_have_their_pages(files: dict[str, TaskFile])
 
 def test_how_likely_the_method_is_better_is_told_by_baseline(files: dict[str, TaskFile]) -> None:
     book = Book.of([*records([4.0, 2.0], curve=RISE), *lcer([2.0, 2.0], curve=RISE)], files)
-    page = comparison.comparison(book)
-    assert line_of(page, "| LCER |").startswith("| LCER | 1 task | 0.75 [0.50, 1.00] |")
-    assert "| GAIL | 0 | not run |" in page
+    page = comparison.files(book)["comparison.md"]
+    row = line_of(page, "| LCER |")
+    assert row.startswith("| LCER | 1 task | 0.75 [0.50, 1.00] | 0.75 [0.50, 1.00] |")
+    assert "| GAIL | 0 | not run | – | – | – | – |" in page
     assert "| FlatWorld Cycle | [LCER](all.md#r-" in page
 
 
@@ -239,3 +246,47 @@ def test_the_readme_names_the_best_baseline(files: dict[str, TaskFile]) -> None:
     row = line_of(readme.block(book), "| FlatWorld Cycle |")
     assert "[1.00 ± 0.00](docs/results/all.md#r-" in row
     assert "LCER" in row
+
+
+def test_sample_efficiency_is_over_the_tasks_that_all_methods_share(
+    files: dict[str, TaskFile],
+) -> None:
+    steps = {"steps": 3000}
+    found = [*records([4.0] * 3, curve=[[0.0] * 3, [2.0] * 3, [4.0] * 3], **steps)]
+    found += lcer([1.0] * 3, curve=[[0.0] * 3, [1.0] * 3, [1.0] * 3], **steps)
+    found += records([4.0], name="carlo", overrides={}, curve=[[4.0], [4.0]], **steps)
+    book = Book.of(found, files)
+    assert efficiency.shared_tasks(book) == ["flatworld_cycle"]
+    drawn = efficiency.files(book)[efficiency.PATH]
+    assert "Visits over training, 1 task" in drawn
+    whole, other = re.findall(r'class="line c\d" d="M([^"]*L[^"]*)"', drawn)
+    heights = [float(point.split(",")[1]) for point in whole.split("L")]
+    assert heights[0] == 256  # nothing at first: the evaluation after a third of the steps
+    assert heights[-1] == 52  # all of the optimum, which is 1
+    assert float(other.split(",")[-1]) == 205  # a quarter of it
+    assert len(heights) == 14  # at 35, 40, … 100 hundredths of the steps
+    assert efficiency.files(Book.of([], files)) == {}
+
+
+def test_the_command_writes_what_there_is_and_prints_the_records_of_a_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "results").mkdir()
+    append(tmp_path / "results" / "flatworld_cycle.jsonl.gz", records([2.0, 4.0]))
+    shutil.copytree(ROOT / "specs", tmp_path / "specs")
+    (tmp_path / "README.md").write_text(f"{readme.BEGIN}{readme.END}")
+    monkeypatch.chdir(tmp_path)
+    main([])
+    assert "[3.00\u00a0±\u00a01.41](docs/results/all.md#" in Path("README.md").read_text()
+    page = Path("docs/results/all.md").read_text()
+    (anchor,) = re.findall(r'<a id="([^"]+)">', page)
+    main(["row", anchor])
+    assert [json.loads(line)["seed"] for line in capsys.readouterr().out.splitlines()] == [200, 201]
+    for wrong in (["row", "r-0"], ["write"]):
+        with pytest.raises(SystemExit, match=r"no row|usage"):
+            main(wrong)
+
+
+def test_tasks_weigh_the_same_in_their_mean() -> None:
+    middle, interval = mean_of_tasks([np.zeros(1), np.ones(9)])
+    assert (middle, interval.low, interval.high) == pytest.approx((0.5, 0.5, 0.5))

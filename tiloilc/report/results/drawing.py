@@ -54,12 +54,16 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves on common axes; `best` is a level to compare with and its name."""
+    """Curves on common axes; `best` is a level to compare with and its name.
+
+    `about` says what goes from left to right.
+    """
 
     title: str
     unit: str
     lines: Sequence[Line]
     best: tuple[str, float] | None = None
+    about: str = "environment steps per seed"
 
 
 def picture(panels: Sequence[Panel], across: int, title: str) -> str:
@@ -119,8 +123,7 @@ def _panel(panel: Panel, names: dict[str, str], most: int) -> list[Markup]:
             body.append(tag("path", class_="axis", d=f"M{number(x)},{number(base)}v4"))
             body.append(tag("text", short(value), class_="x", x=x, y=base + 17))
     body.append(tag("path", class_="axis", d=f"M{number(LEFT)},{number(base)}H{number(right)}"))
-    about = "environment steps per seed"
-    body.append(tag("text", about, class_="x", x=(LEFT + right) / 2, y=base + 33))
+    body.append(tag("text", panel.about, class_="x", x=(LEFT + right) / 2, y=base + 33))
     if panel.best is not None:
         y = frame.y(panel.best[1])
         body.append(tag("path", class_="best", d=f"M{number(LEFT)},{number(y)}H{number(right)}"))

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tiloilc.evaluate import (
+    Interval,
     area_under_curve,
     band,
     difference,
     generator,
     steps_to_threshold,
+    stratified_bootstrap,
 )
+from tiloilc.evaluate.statistics import RESAMPLES
 from tiloilc.report.frame import short
 from tiloilc.report.results.drawing import Line
 from tiloilc.report.results.methods import Ink
 from tiloilc.report.results.rows import Floats, Row
 
-__all__ = ["ENOUGH", "gap", "height", "line", "most_return", "reached"]
+__all__ = ["ENOUGH", "gap", "height", "line", "mean_of_tasks", "most_return", "reached"]
 
 ENOUGH = 0.9
 """The share of a goal whose first reaching is told (measuring: sample efficiency)."""
@@ -37,6 +42,22 @@ def reached(row: Row, goal: float | None) -> str:
         return "–"
     found = steps_to_threshold(steps, values, ENOUGH * goal)
     return "never" if found is None else short(found)
+
+
+def mean_of_tasks(
+    strata: Sequence[Floats], *, resamples: int = RESAMPLES
+) -> tuple[float, Interval]:
+    """The mean over tasks of their means over seeds, and its 95 % stratified bootstrap interval.
+
+    Tasks weigh the same, whatever their number of seeds is.
+    """
+    weights = np.concatenate([np.full(v.size, 1 / (v.size * len(strata))) for v in strata])
+
+    def mean(drawn: Floats) -> Floats:
+        return np.asarray(drawn @ weights)
+
+    interval = stratified_bootstrap(strata, mean, generator(), resamples=resamples)
+    return float(np.concatenate(strata) @ weights), interval
 
 
 def height(row: Row) -> Floats:

@@ -25,7 +25,6 @@ def files(book: Book) -> dict[str, str]:
     pages = {
         "README.md": index.index(book),
         "all.md": every.page(book),
-        "comparison.md": comparison.comparison(book),
         "figure-3.md": learning.figure_3(book),
         "figure-8.md": disjunction.figure_8(book),
         "grids.md": learning.grids(book),
@@ -35,10 +34,10 @@ def files(book: Book) -> dict[str, str]:
         "table-3.md": demonstrations.table_3(book),
         "table-4.md": demonstrations.table_4(book),
     }
-    if drawn := readme.figure(book):
-        pages["overview.svg"] = drawn
-    pages |= demonstrations.files(book)
-    return {**pages, **learning.curves(book), **ablations.files(book)}
+    if overview := readme.figure(book):
+        pages["overview.svg"] = overview
+    drawn = {**learning.curves(book), **ablations.files(book)}
+    return {**pages, **drawn, **comparison.files(book), **demonstrations.files(book)}
 
 
 def write(made: Mapping[str, str], folder: Path) -> None:

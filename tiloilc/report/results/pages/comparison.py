@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tiloilc.evaluate import (
@@ -18,11 +20,13 @@ from tiloilc.report.results.markdown import (
     listed,
     one_of,
     optimum,
+    pictures,
     spread,
     table,
 )  # fmt: skip
-from tiloilc.report.results.measures import height, reached
+from tiloilc.report.results.measures import height, mean_of_tasks, reached
 from tiloilc.report.results.methods import BASELINES, method_name
+from tiloilc.report.results.pages import efficiency
 from tiloilc.report.results.rows import Floats, Row
 from tiloilc.report.results.tasks import title
 
@@ -32,8 +36,9 @@ LIKELY = """\
 The probability that a run of TiLoIL makes more accepting visits than a run of the other method, on
 a task of those that both were run on, with a 95 % stratified bootstrap interval (Agarwal et al.
 2021, *Deep reinforcement learning at the edge of the statistical precipice*). Ties count half, so
-0.5 means no difference. The interquartile means are of visits as a share of the optimum, or of the
-best that is known, over the runs of all these tasks.
+0.5 means no difference. The means over tasks, and the interquartile means (IQM) over all runs of
+these tasks, are of visits as a share of the optimum, or of the best that is known; an IQM leaves
+the worst quarter of runs out.
 
 """
 
@@ -48,11 +53,25 @@ different numbers of steps, heights do not compare.
 """
 
 
-def comparison(book: Book) -> str:
-    """The page."""
+CURVES = """\
+The drawing is of the tasks that TiLoIL and every baseline with records were run on: the mean over
+tasks of visits in validation as a share of the optimum, or of the best that is known, with its 95 %
+stratified bootstrap interval. A value is that of the last evaluation before it.
+
+"""
+
+
+def files(book: Book) -> dict[str, str]:
+    """The page and its drawing, by their paths."""
+    drawn = efficiency.files(book)
+    return {"comparison.md": _page(book, list(drawn)), **drawn}
+
+
+def _page(book: Book, drawn: Sequence[str]) -> str:
     text = f"# Comparison\n\n{MADE}\n" + LIKELY
     overall = [_overall(book, other) for other in BASELINES]
-    heads = ["TiLoIL beside", "tasks", "P(TiLoIL is better) [95 %]", "IQM of TiLoIL", "IQM of it"]
+    heads = ["TiLoIL beside", "tasks", "P(TiLoIL is better) [95 %]", "TiLoIL: mean", "it: mean"]
+    heads += ["TiLoIL: IQM", "it: IQM"]
     text += table(heads, overall) + "\n"
     present = [other for other in BASELINES if _both(book, other)]
     if present:
@@ -68,7 +87,10 @@ def comparison(book: Book) -> str:
         "task", "method", "steps", "to 90 % of the paper", "to 90 % of the optimum", "mean height",
         "optimum",
     ]  # fmt: skip
-    return text + FAST + table(heads, rows)
+    text += FAST
+    if drawn:
+        text += CURVES + pictures([(path, "Sample efficiency over tasks") for path in drawn]) + "\n"
+    return text + table(heads, rows)
 
 
 def _both(book: Book, other: str) -> dict[str, tuple[Row, Row]]:
@@ -80,20 +102,26 @@ def _both(book: Book, other: str) -> dict[str, tuple[Row, Row]]:
 def _overall(book: Book, other: str) -> list[str]:
     both = _both(book, other)
     if not both:
-        return [method_name(other), "0", "not run", "–", "–"]
+        return [method_name(other), "0", "not run", *["–"] * 4]
     pairs = [(x.values("greedy"), y.values("greedy")) for x, y in both.values()]
     likely, interval = probability_of_improvement(pairs, generator())
     shares = [(pair, best[0]) for (task, pair) in zip(both, pairs, strict=True)
               if (best := book.optimum(task)) is not None and best[0] > 0]  # fmt: skip
-    cells = ["–", "–"]
+    cells = ["–"] * 4
     if shares:
-        cells = [_iqm([pair[side] / best for pair, best in shares]) for side in (0, 1)]
+        sides = [[pair[side] / best for pair, best in shares] for side in (0, 1)]
+        cells = [f(strata) for f in (_mean, _iqm) for strata in sides]
     return [
         method_name(other),
         one_of(len(both), "task"),
         f"{likely:.2f} {between(interval)}",
         *cells,
     ]
+
+
+def _mean(strata: list[Floats]) -> str:
+    middle, interval = mean_of_tasks(strata)
+    return f"{middle:.2f} {between(interval)}"
 
 
 def _iqm(strata: list[Floats]) -> str:
