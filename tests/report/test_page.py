@@ -163,7 +163,7 @@ def test_commands_of_a_run_quote_what_a_shell_would_read(tmp_path: Path) -> None
     run = write_run(tmp_path / "a1", overrides={"beta": "$(touch x)"})
     page = outline(render([read_run(run)]))
     commands = "".join(page.texts["code"])
-    assert "--set 'beta=$(touch x)'" in commands
+    assert "--steps 60000 --set 'beta=$(touch x)'" in commands
     assert "tiloilc compile flatworld_cycle.yaml" in commands
     assert "git checkout 1c580e2" in commands
 

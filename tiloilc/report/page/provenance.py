@@ -37,7 +37,10 @@ def _commands(run: Run) -> list[str]:
         commit = run.final.git_commit.removesuffix("-dirty")
         note = "" if commit == run.final.git_commit else "  # and what was not committed then"
         lines.append(f"git checkout {shlex.quote(commit)}{note}")
-    changed = "".join(f" --set {shlex.quote(f'{k}={v}')}" for k, v in run.overrides.items())
+    changed = ""
+    if run.total is not None and "steps" not in run.overrides:
+        changed = f" --steps {run.total}"  # whatever the task file says
+    changed += "".join(f" --set {shlex.quote(f'{k}={v}')}" for k, v in run.overrides.items())
     digests = {} if run.plan is None else run.plan.digests
     spec = next((key[5:] for key in digests if key.startswith("spec:")), f"{run.name}.yaml")
     lines.append(f"tiloilc compile {shlex.quote(spec)}")
