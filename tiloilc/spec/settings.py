@@ -15,8 +15,15 @@ def _entropy(value: object) -> object:
     return value if value == "tuned" else to_number(value)
 
 
+def _auto(value: object) -> object:
+    return value if value == "auto" else to_number(value)
+
+
 Entropy = Annotated[
     Literal["tuned"] | Annotated[float, Field(ge=0, le=100)], BeforeValidator(_entropy)
+]
+Exploration = Annotated[
+    Literal["auto"] | Annotated[float, Field(ge=0, le=1)], BeforeValidator(_auto)
 ]
 Epsilon = Literal["free", "step"]
 Share = Annotated[float, BeforeValidator(to_number), Field(ge=0, le=1)]
@@ -163,7 +170,9 @@ class Settings(Model):
     )
 
     learning_rate: Rate = Field(description="step size of tabular Q-learning (table 5)")
-    exploration: Share = Field(description="share of random actions in tabular Q-learning")
+    exploration: Exploration = Field(
+        description="share of random actions while learning; `auto`: a fifth on tables, none in SAC"
+    )
     optimistic: Literal["auto"] | bool = Field(
         description="tabular Q-learning begins with the greatest value; `auto`: if there are no "
         "demonstrations to follow"
@@ -240,7 +249,7 @@ PAPER: MappingProxyType[str, object] = MappingProxyType(
         "device": "auto",
         "compile": "auto",
         "learning_rate": 3e-4,
-        "exploration": 0.2,
+        "exploration": "auto",
         "optimistic": False,
         "relabel": False,
     }

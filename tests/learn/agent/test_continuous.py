@@ -399,3 +399,18 @@ def test_step_sizes_fall_to_their_final_share_but_not_the_temperatures() -> None
         assert sac.actor_adam.rate.item() == pytest.approx(0.5 * share)
         assert sac.critic_adam.rate.item() == pytest.approx(agent.settings.critic_rate * share)
         assert sac.alpha_adam.rate.item() == pytest.approx(agent.settings.critic_rate)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
+def test_a_share_of_actions_is_random_while_learning(share: float) -> None:
+    """A policy that hardly varies stands apart from uniform actions in [-2, 4]."""
+    _, agent = learner(until=1, exploration=share)
+    agent.sac.actor.parameters[-1].fill_(0)
+    agent.sac.actor.parameters[-1][..., 1:] = -50  # log σ at its least
+    for layer in agent.sac.actor.parameters[:-1]:
+        layer.fill_(0)
+    seen, states = np.zeros((2, 2000, 2), np.float32), np.zeros((2, 2000), np.int64)
+    acted = agent.act(seen, states, greedy=False)
+    stray = (np.abs(acted - 1) > 0.1).mean()
+    assert stray == pytest.approx(share * (1 - 0.2 / 6), abs=0.02)
+    assert (np.abs(agent.act(seen, states, greedy=True) - 1) < 1e-3).all()

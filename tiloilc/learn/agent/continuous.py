@@ -72,6 +72,7 @@ class SacAgent:
         self.layout = Layout(d, m, self.method.columns)
         self.replay = Replay(seeds, capacity, self.layout.width, device)
         self.held = Held(self.layout)
+        self.exploration = 0.0 if settings.exploration == "auto" else settings.exploration
         self.cloning_weight = torch.zeros((), device=device)
         settled = settings.algorithm in ALGORITHMS  # who knows what others keep
         self.program = Program(self._update, pays(settings), settled, say)
@@ -85,11 +86,16 @@ class SacAgent:
 
     def act(self, observations: Floats, states: Int, greedy: bool) -> Floats:
         """Actions in the environment's units, [seed, copy, …]."""
-        noise = None
-        if not greedy:
-            shape = (*states.shape, len(self.low))
-            noise = torch.randn(shape, generator=self.host).numpy()
-        return self._to_environment(self.sac.act(self.encode.on_host(observations, states), noise))
+        seen = self.encode.on_host(observations, states)
+        if greedy:
+            return self._to_environment(self.sac.act(seen, None))
+        shape = (*states.shape, len(self.low))
+        action = self.sac.act(seen, torch.randn(shape, generator=self.host).numpy())
+        if self.exploration > 0:
+            stray = torch.rand((*states.shape, 1), generator=self.host) < self.exploration
+            anything = 2 * torch.rand(shape, generator=self.host) - 1
+            action = np.where(stray.numpy(), anything.numpy(), action)
+        return self._to_environment(action)
 
     def explore(self, rng: np.random.Generator, shape: tuple[int, int]) -> Floats:
         """Uniformly random actions, [seed, copy, …]."""

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from gymnasium.spaces import Discrete, Space
 
 
+EXPLORATION = 0.2
+"""How many actions are random, unless `exploration` says otherwise."""
+
+
 class TabularAgent:
     """Q [seed, cell, automaton state, action]; an episode is learned backwards when it ends.
 
@@ -56,6 +60,8 @@ class TabularAgent:
         positive = torch.from_numpy(shown.positive)
         setup = Setup(settings, stages, walk, positive, 0, horizon, generator, self.cells)
         self.method = make_method(setup)
+        share = settings.exploration
+        self.exploration = EXPLORATION if share == "auto" else share
         self.tuned = settings.entropy == "tuned" and settings.target_entropy > 0
         alpha = 0.0 if settings.entropy == "tuned" else float(settings.entropy)
         self.soft = self.tuned or alpha > 0
@@ -91,7 +97,7 @@ class TabularAgent:
             gumbel = -(-noise.clamp(1e-9, 1 - 1e-7).log()).log()
             best = (values + self.alpha[:, None, None] * gumbel).argmax(-1)
         anything = torch.randint(self.actions, best.shape, generator=self.generator)
-        stray = torch.rand(best.shape, generator=self.generator) < self.settings.exploration
+        stray = torch.rand(best.shape, generator=self.generator) < self.exploration
         return torch.where(stray, anything, best).numpy() + self.first_action
 
     def explore(self, rng: np.random.Generator, shape: tuple[int, int]) -> Int:
@@ -277,10 +283,8 @@ class TabularAgent:
             return floor
         none = torch.zeros(1, 1, dtype=torch.long)
         for t in reversed(range(len(shown.observation))):
-            seen, after = (
-                torch.from_numpy(rows[t])[None, None]
-                for rows in (shown.observation, shown.next_observation)
-            )
+            seen = torch.from_numpy(shown.observation[t])[None, None]
+            after = torch.from_numpy(shown.next_observation[t])[None, None]
             letter = none + int(shown.letter[t])
             never, kept = none > 0, torch.zeros(1, 1, self.method.columns)
             batch = Batch(seen, none, after, none, letter, never, kept, ~never)
