@@ -33,10 +33,8 @@ $(STAMP): pyproject.toml constraints.txt
 run: $(STAMP)  ## the main job: compile, train, evaluate and report SPEC (FlatWorld Cycle)
 	$(BIN)/tiloilc run $(SPEC)
 
-records: $(STAMP)  ## train every task of specs/ and add its records to results/
-	for spec in specs/*.yaml; do \
-	  $(BIN)/tiloilc run "$$spec" --record "results/$$(basename "$$spec" .yaml).jsonl.gz" || exit 1; \
-	done
+records: $(STAMP)  ## train the tasks of specs/ that are not recorded yet; records in results/
+	$(BIN)/tiloilc sweep specs/*.yaml
 
 results: $(STAMP)  ## write docs/results/, README's table and figure, docs/pendulum.md from records
 	$(BIN)/python -m tiloilc.report.results

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
 import shutil
 import signal
@@ -156,7 +157,7 @@ def test_a_sweep_killed_at_any_moment_ends_like_one_that_never_was(tmp_path: Pat
         folder.mkdir()
         task(folder)
     process = started(whole, *LONG)
-    table, _ = process.communicate(timeout=600)
+    table, _ = process.communicate(timeout=1800)
     assert process.returncode == 0
     process = started(killed, *LONG)
     until("runs/sweep/jobs/*/runs/*/*/checkpoints/*.json", killed, process)
@@ -171,7 +172,7 @@ def test_a_sweep_killed_at_any_moment_ends_like_one_that_never_was(tmp_path: Pat
     os.killpg(process.pid, signal.SIGKILL)  # the second time its jobs are left to find out
     process.communicate()
     process = started(killed, *LONG, "--quiet")
-    again, said = process.communicate(timeout=600)
+    again, said = process.communicate(timeout=1800)
     assert (process.returncode, said) == (0, "")
     assert again == table
     records = [read(folder / "results/corridor.jsonl.gz") for folder in (whole, killed)]
@@ -205,17 +206,20 @@ def until_gone(pid: int) -> None:
 
 
 @pytest.mark.slow
-def test_an_interrupted_sweep_lets_its_jobs_write_checkpoints(tmp_path: Path) -> None:
+@pytest.mark.parametrize("engine", ["local", "ray"])
+def test_an_interrupted_sweep_lets_its_jobs_write_checkpoints(tmp_path: Path, engine: str) -> None:
     task(tmp_path)
     options = ("--steps", "1_000_000", "--set", "checkpoint_every=1_000_000", "--seeds", "1")
-    process = started(tmp_path, "corridor.yaml", *options)
+    process = started(tmp_path, "corridor.yaml", *options, "--engine", engine)
     until("runs/sweep/jobs/*/runs/*/*/events.jsonl", tmp_path, process)
     os.kill(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=300)
+    out, err = process.communicate(timeout=1800)
     assert (process.returncode, out) == (130, "")
     assert "tiloilc sweep corridor.yaml" in err
     assert list(tmp_path.glob("runs/sweep/jobs/*/runs/*/*/checkpoints/*.json"))
-    assert not children(process.pid)
+    (lock,) = tmp_path.glob("runs/sweep/jobs/*/lock")
+    with lock.open() as held:  # nobody works there any more
+        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def children(pid: int) -> list[int]:

@@ -113,6 +113,14 @@ def test_of_two_commits_of_others_the_later_counts(one: Experiment) -> None:
     assert recorded([one], Same.PLAN, "c")[0] == {3: late[0]}
 
 
+def test_where_a_seed_was_trained_is_not_part_of_its_spec(one: Experiment) -> None:
+    one.records.unlink(missing_ok=True)
+    elsewhere = {**one.settings.overrides(), "device": "cuda", "seeds": 1}
+    append(one.records, records_of(one, range(3, 4), overrides=elsewhere, plan_digest="other"))
+    assert sorted(recorded([one], Same.SPEC, None)[0]) == [3]
+    assert not recorded([one], Same.PLAN, None)[0]
+
+
 def test_cloning_is_done_however_many_steps_would_have_followed(tmp_path: Path) -> None:
     options = {"algorithms": ("cloning",), "records": str(tmp_path)}
     (cloned,) = experiments(task(tmp_path), **options)

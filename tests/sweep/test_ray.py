@@ -74,7 +74,7 @@ def test_a_sweep_outlives_a_node_and_counts_nothing_twice(
     raylet = raylet_of(job)
     assert raylet in raylets
     os.kill(raylet, signal.SIGKILL)
-    out, err = sweep.communicate(timeout=300)
+    out, err = sweep.communicate(timeout=1800)
     assert sweep.returncode == 0, err
     records = [record.fields for record in read(tmp_path / "results/corridor.jsonl.gz")]
     assert [record["seed"] for record in records] == [0, 1, 2]

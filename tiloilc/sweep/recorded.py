@@ -14,6 +14,9 @@ from tiloilc.spec.settings import PRESETS
 from tiloilc.sweep.experiments import Experiment, record_file
 from tiloilc.sweep.model import OWN
 
+WHERE = ("checkpoint_every", "compile", "device")
+"""Settings that move no more than last digits of results."""
+
 
 class Same(StrEnum):
     """What a record must have in common with what is asked for, so that its seed is done."""
@@ -52,7 +55,7 @@ def _of(
         "preset": one.settings.preset,
         "interrupted": False,
     }
-    settings = _without_seeds(one.settings.overrides())
+    settings = _chosen(one.settings.overrides())
 
     @cache
     def digest_of(seeds: range) -> str:
@@ -67,7 +70,7 @@ def _of(
         if any(fields.get(key) != value for key, value in wanted.items()):
             continue
         if same is Same.SPEC:
-            alike = fields.get("spec_digest") == spec and _without_seeds(overrides) == settings
+            alike = fields.get("spec_digest") == spec and _chosen(overrides) == settings
             alike = alike and fields.get("steps") == one.steps
         else:
             alike = fields.get("plan_digest") == digest_of(_trained(overrides, one))
@@ -87,8 +90,9 @@ def _trained(overrides: Mapping[str, object], one: Experiment) -> range:
     return range(first, first + count)
 
 
-def _without_seeds(overrides: Mapping[str, object]) -> dict[str, object]:
-    return {key: _plain(value) for key, value in overrides.items() if key not in OWN}
+def _chosen(overrides: Mapping[str, object]) -> dict[str, object]:
+    """What was chosen of how to learn: not the seeds, nor where they were trained."""
+    return {key: _plain(v) for key, v in overrides.items() if key not in (*OWN, *WHERE)}
 
 
 def _plain(value: object) -> object:
