@@ -65,6 +65,11 @@ class Settings(Model):
     )
     steps: Steps = Field(description="environment steps, per seed")
     seeds: Whole = Field(gt=0, le=1000, description="independent agents, trained together")
+    copies: Whole = Field(
+        gt=0,
+        le=4096,
+        description="environments that each agent steps side by side; a step of all counts as many",
+    )
     first_seed: Whole = Field(
         ge=0, le=2**31 - 1, description="the first agent's seed; the others count up"
     )
@@ -211,6 +216,7 @@ PAPER: MappingProxyType[str, object] = MappingProxyType(
         "preset": "paper",
         "backbone": "auto",
         "seeds": 10,
+        "copies": 1,
         "first_seed": 0,
         "checkpoint_every": 10_000,
         "beta": 1 / 3,

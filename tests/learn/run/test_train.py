@@ -17,7 +17,9 @@ from tiloilc.diag import CompileError
 from tiloilc.evaluate.protocol import Validator
 from tiloilc.learn import CHECKPOINTS, EVENTS, Outcome, Watched, load_policy, make_loop, train
 from tiloilc.learn.engine.state import State
+from tiloilc.learn.run.train import passed
 from tiloilc.plan import Plan
+from tiloilc.spec.settings import OF_ALGORITHM
 
 Task = tuple[Plan, DemoSet, Callable[[Any], Any]]
 
@@ -195,6 +197,52 @@ def test_jumps_that_take_a_step_and_temperatures_on_tables_resume(
     go(task(), tmp_path / "pieces", 71)
     go(task(), tmp_path / "pieces", resume=True)
     assert_equal_runs(tmp_path / "whole", tmp_path / "pieces")
+
+
+@pytest.mark.parametrize("algorithm", sorted(OF_ALGORITHM))
+@pytest.mark.parametrize("name", ["grid", "point", "flatworld"])
+def test_every_baseline_resumes(tmp_path: Path, name: str, algorithm: str) -> None:
+    """Steps that wait to be judged, counts, rings of states: nothing is lost."""
+
+    def task() -> Task:
+        return TASKS[name](steps=100, every=30, algorithm=algorithm)
+
+    go(task(), tmp_path / "whole")
+    go(task(), tmp_path / "pieces", 41, 77)
+    go(task(), tmp_path / "pieces", 77, resume=True)
+    go(task(), tmp_path / "pieces", resume=True)
+    assert_equal_runs(tmp_path / "whole", tmp_path / "pieces")
+
+
+@pytest.mark.parametrize("algorithm", ["tiloil", "cycler"])
+@pytest.mark.parametrize("name", ["grid", "flatworld"])
+def test_copies_side_by_side_resume(tmp_path: Path, name: str, algorithm: str) -> None:
+    """Three at a time: no setting is a multiple of three, and every due time is met."""
+
+    def task() -> Task:
+        return TASKS[name](steps=100, every=30, copies=3, algorithm=algorithm)
+
+    outcome = go(task(), tmp_path / "whole")
+    assert outcome.step == 102
+    go(task(), tmp_path / "pieces", 69)
+    go(task(), tmp_path / "pieces", resume=True)
+    assert_equal_runs(tmp_path / "whole", tmp_path / "pieces")
+    judged = [event["step"] for event in events(tmp_path / "whole", "eval")]
+    cloned = [60] if algorithm == "tiloil" and name == "flatworld" else []
+    assert judged == sorted({30, 60, 90, 102, *cloned})
+    (loop,) = {len(event["visits"]) for event in events(tmp_path / "whole", "train")}
+    assert loop == 2  # numbers are of seeds, not of copies
+
+
+def test_what_is_due_is_met_once_whatever_the_stride() -> None:
+    for stride in (1, 3, 7, 50):
+        steps = range(stride, 500, stride)
+        met = [step for step in steps if passed(step, stride, 20)]
+        if stride <= 20:
+            assert len(met) == max(steps) // 20
+            assert all(0 <= step - 20 * (i + 1) < stride for i, step in enumerate(met))
+        else:
+            assert met == list(steps)
 
 
 @pytest.mark.parametrize("name", ["stay", "line"])

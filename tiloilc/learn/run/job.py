@@ -32,7 +32,7 @@ def make_loop(plan: Plan, demos: DemoSet, labels: Labels, say: Say = lambda text
     torch.set_num_threads(1)
     threadpool_limits(1, user_api="blas")
     settings, walk = plan.train, walk_tables(plan.ldba, plan.train.epsilon)
-    copies = Copies(plan.environment, settings.seeds)
+    copies = Copies(plan.environment, settings.seeds * settings.copies)
     shown = _shown(plan, demos, labels, walk, copies)
     agent = make_agent(plan, walk, copies, shown, say)
     segmenter = Segmenter(

@@ -106,12 +106,13 @@ def train(
             events.write("start", 0, **about)
         for step in loop.run(last):
             metrics = None
-            if _is_due(step, last, plan, session.has_just_cloned):
+            if _is_due(step, last, plan) or session.has_just_cloned:
                 metrics = session.judge(validate, events, board)
             watch(Watched(step, last, loop.exploring, loop.tally, metrics))
             if metrics is not None:
                 loop.tally = Tally.empty(settings.seeds, loop.walk.states)
-            if step % settings.checkpoint_every == 0 or stop.set or step >= last:
+            due = passed(step, settings.copies, settings.checkpoint_every)
+            if due or stop.set or step >= last:
                 session.save(checkpoints, events)
             checkpoints.check()
             if stop.set and step < last:
@@ -187,7 +188,8 @@ class _Session:
     @property
     def has_just_cloned(self) -> bool:
         """Whether the policy is what cloning made of it, before any learning."""
-        return self.loop.cloned and self.loop.step == self.plan.train.learning_starts
+        random = self.plan.train.learning_starts
+        return self.loop.cloned and random <= self.loop.step < random + self.plan.train.copies
 
     def save(self, checkpoints: Checkpoints, events: Events) -> None:
         """Have a checkpoint of everything written, with the length of the event log."""
@@ -250,10 +252,15 @@ class _Session:
             raise not_written(folder, error) from None
 
 
-def _is_due(step: int, last: int, plan: Plan, cloned: bool) -> bool:
-    """Whether the policy is judged after `step`: regularly, after cloning, at the end."""
+def _is_due(step: int, last: int, plan: Plan) -> bool:
+    """Whether the policy is judged after `step`: regularly, and at the end."""
     every = plan.evaluate.every or max(plan.train.steps // 20, 1)
-    return step % every == 0 or cloned or step >= last
+    return passed(step, plan.train.copies, every) or step >= last
+
+
+def passed(step: int, stride: int, every: int) -> bool:
+    """Whether a multiple of `every` lies among the last `stride` steps up to `step`."""
+    return step // every > (step - stride) // every
 
 
 @contextmanager
