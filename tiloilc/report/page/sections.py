@@ -79,8 +79,8 @@ def results(run: Run) -> Markup:
     reached = facts.efficiency(run)
     if reached is not None:
         threshold, step = reached
-        when = "is not reached" if step is None else f"is reached after {step:,} steps"
-        said.append(f"90 % of the optimum ({threshold:.2f} visits, mean over seeds) {when}.")
+        when = "is never" if step is None else f"is after {step:,} steps"
+        said.append(f"The curve's mean over seeds {when} at 90 % of the optimum ({threshold:.2f}).")
     area = facts.area(run)
     if area is not None:
         said.append(f"Mean height of the learning curve: {area.mean:.2f} ± {area.sd:.2f} visits.")
