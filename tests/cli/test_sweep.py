@@ -97,6 +97,10 @@ def test_a_mistake_in_the_last_is_told_before_the_first_begins(workdir: Path, ru
     assert not Path("runs").exists()
 
 
+IGNORE = "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN); "
+GO_ON = "os.execv(sys.executable, [sys.executable, *sys.argv[1:]])"
+
+
 def started(folder: Path, *arguments: str, before: tuple[str, ...] = ()) -> subprocess.Popen[str]:
     """A sweep as a program in a process group of its own."""
     return subprocess.Popen(
@@ -184,9 +188,8 @@ def test_a_sweep_killed_at_any_moment_ends_like_one_that_never_was(tmp_path: Pat
 def test_jobs_end_with_their_sweep_whatever_signals_are_blocked(tmp_path: Path) -> None:
     """Ray's workers block SIGINT, a shell's background jobs ignore it; both are inherited."""
     task(tmp_path)
-    ignore = "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_IGN); "
     block = "signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}); "
-    script = ignore + block + "os.execv(sys.executable, [sys.executable, *sys.argv[1:]])"
+    script = IGNORE + block + GO_ON
     options = ("corridor.yaml", "--steps", "1_000_000", "--set", "checkpoint_every=1_000_000")
     process = started(tmp_path, *options, before=("-c", script))
     until("runs/sweep/jobs/*/runs/*/*/events.jsonl", tmp_path, process)
@@ -210,10 +213,11 @@ def until_gone(pid: int) -> None:
 def test_an_interrupted_sweep_lets_its_jobs_write_checkpoints(tmp_path: Path, engine: str) -> None:
     task(tmp_path)
     options = ("--steps", "1_000_000", "--set", "checkpoint_every=1_000_000", "--seeds", "1")
-    process = started(tmp_path, "corridor.yaml", *options, "--engine", engine)
+    ignoring = ("-c", IGNORE + GO_ON)  # as a shell's background jobs do
+    process = started(tmp_path, "corridor.yaml", *options, "--engine", engine, before=ignoring)
     until("runs/sweep/jobs/*/runs/*/*/events.jsonl", tmp_path, process)
     os.kill(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=1800)
+    out, err = process.communicate(timeout=300)
     assert (process.returncode, out) == (130, "")
     assert "tiloilc sweep corridor.yaml" in err
     assert list(tmp_path.glob("runs/sweep/jobs/*/runs/*/*/checkpoints/*.json"))

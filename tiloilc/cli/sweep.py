@@ -224,12 +224,15 @@ def _summary(sweep: Sweep, done: Sequence[Mapping[int, object]]) -> str:
 
 @contextmanager
 def _stoppable() -> Iterator[None]:
-    """While this lasts, a termination is an interruption, and both end with status 130."""
+    """While this lasts, a termination is an interruption, and both end with status 130.
+
+    A shell's background jobs ignore interruptions from birth; a sweep, like `train`, does not.
+    """
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, stop)
+    before = {s: signal.signal(s, stop) for s in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     except KeyboardInterrupt:
@@ -237,7 +240,8 @@ def _stoppable() -> Iterator[None]:
         say(f"  tiloilc {shlex.join(sys.argv[1:])}")
         raise typer.Exit(130) from None
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _tell_failures(sweep: Sweep, failed: Mapping[str, Outcome]) -> None:
