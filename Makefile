@@ -12,7 +12,7 @@ WORKERS ?= 2
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 RIVALS := $(VENV)/.rivals
-PYTEST := $(BIN)/python -m pytest -n $(WORKERS) -ra --durations=10
+PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -ra --durations=10
 
 .DELETE_ON_ERROR:
 .PHONY: help setup run records results sheet experts bench test quick check format constraints clean
