@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,10 @@ def test_everybody_is_judged_on_the_same_episodes() -> None:
     assert pendulum.judge(lambda seen: idle[:1], 1, 3) == (first,)
 
 
-def test_both_learners_run_a_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_both_learners_run_a_few_steps_and_leave_no_logs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setattr(pendulum, "EVERY", 125)
     ours = list(pendulum.train_ours(125, 0, 2, batch_size=8))
     theirs = list(pendulum.train_theirs(125, 0))
@@ -32,6 +36,7 @@ def test_both_learners_run_a_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [(point.step, len(point.returns)) for point in theirs] == [(125, 1)]
     again = list(pendulum.train_ours(125, 0, 2, batch_size=8))
     assert again == ours
+    assert list(tmp_path.glob("SB3-*")) == []
 
 
 def test_a_record_a_seed_tells_what_was_run() -> None:

@@ -125,6 +125,7 @@ def train_theirs(steps: int, seed: int) -> Iterator[Point]:
     """Train one agent with Stable-Baselines3."""
     import gymnasium
     from stable_baselines3 import SAC
+    from stable_baselines3.common.logger import Logger
 
     s = Settings.model_validate({**SETTINGS, "steps": steps})
     model = SAC(
@@ -141,6 +142,7 @@ def train_theirs(steps: int, seed: int) -> Iterator[Point]:
         seed=seed,
         device="cpu",
     )
+    model.set_logger(Logger(None, []))  # its own makes a folder
 
     def act(seen: NDArray[np.float32]) -> NDArray[np.floating]:
         return model.predict(seen[0], deterministic=True)[0][None]

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 import torch
 from stable_baselines3 import SAC
-from stable_baselines3.common.logger import configure
+from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.type_aliases import ReplayBufferSamples
 from torch import Tensor, nn
 
@@ -50,7 +50,7 @@ class Theirs:
         actor.action_dist.epsilon = 0.0
         for net in (actor, self.model.critic, self.model.critic_target):
             net.extract_features = lambda seen, extractor: seen  # would make float32 of it
-        self.model.set_logger(configure(None, []))
+        self.model.set_logger(Logger(None, []))
 
     def layers(self, net: Any) -> list[tuple[Tensor, Tensor]]:
         """Weights [in, out] and biases [1, out] of a chain of linear layers."""

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from stable_baselines3 import SAC
 from stable_baselines3.common.buffers import ReplayBuffer
-from stable_baselines3.common.logger import configure
+from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.type_aliases import ReplayBufferSamples
 from torch import Tensor, nn
 
@@ -23,7 +23,6 @@ def updates(work: Work) -> Run:
     """Updates from a replay of random steps."""
     model = make_model(work, Noise(OBSERVATIONS + STATES))
     fill(model.replay_buffer)
-    model.set_logger(configure(None, []))
 
     return lambda times: model.train(times, work.batch)
 
@@ -44,7 +43,7 @@ def steps(work: Work) -> Run:
 def make_model(work: Work, world: gymnasium.Env[Any, Any]) -> SAC:
     """The learner with the networks and the batch of `work`."""
     torch.set_num_threads(1)
-    return SAC(
+    model = SAC(
         "MlpPolicy",
         world,
         learning_starts=WARM_UP,
@@ -55,6 +54,8 @@ def make_model(work: Work, world: gymnasium.Env[Any, Any]) -> SAC:
         seed=0,
         device="cpu",
     )
+    model.set_logger(Logger(None, []))  # its own makes a folder
+    return model
 
 
 def fill(buffer: ReplayBuffer | None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from sbx import SAC
-from stable_baselines3.common.logger import configure
+from stable_baselines3.common.logger import Logger
 
 from tiloilc.bench.contestants.noise import OBSERVATIONS, STATES, Noise
 from tiloilc.bench.contestants.sb3 import fill
@@ -26,7 +26,7 @@ def updates(work: Work) -> Run:
         device="cpu",
     )
     fill(model.replay_buffer)
-    model.set_logger(configure(None, []))
+    model.set_logger(Logger(None, []))
 
     def run(times: int) -> None:
         for _ in range(times // STEPS):
