@@ -46,9 +46,11 @@ class Judged:
         return float(self.found.probability if isinstance(self.found, Exact) else self.found.rate)
 
     @property
-    def low(self) -> float:
+    def low(self) -> Fraction:
         """What the probability is at least: for certain, or with the confidence asked for."""
-        return self.found.bounds.low if isinstance(self.found, Sampled) else self.probability
+        if isinstance(self.found, Exact):
+            return self.found.probability
+        return Fraction(self.found.bounds.low)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,11 +108,11 @@ class Verification:
 
     def missing(self, wanted: float) -> tuple[int, ...]:
         """The seeds of agents of which it is not shown that they reach `wanted`."""
-        return tuple(judged.seed for judged in self.judged if judged.low < wanted)
+        return tuple(judged.seed for judged in self.judged if judged.low < _as_written(wanted))
 
     def possible(self, wanted: float) -> bool:
         """Whether it is shown that some policy reaches `wanted`: by the maximum, or the expert."""
-        if self.maximum is not None and self.maximum.probability >= wanted:
+        if self.maximum is not None and self.maximum.probability >= _as_written(wanted):
             return True
         return bool(self.expert) and (
             self.simulated is not None and self.simulated.pooled.bounds.low >= wanted
@@ -164,6 +166,11 @@ class Verification:
             "loop_from": path.loop,
             "steps": steps,
         }
+
+
+def _as_written(number: float) -> Fraction:
+    """0.9 is nine tenths, not the float beside it: what is exact is compared exactly."""
+    return Fraction(str(number))
 
 
 def _judged_json(judged: Judged) -> dict[str, object]:
