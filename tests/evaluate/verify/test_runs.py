@@ -181,10 +181,12 @@ def test_a_model_that_its_environment_belies_is_refused(tmp_path: Path) -> None:
     ("changes", "said"),
     [
         ({"probability": np.ones((5, 2, 2))}, "`probability` has probabilities that do not sum"),
+        ({"probability": np.full((5, 2, 2), np.nan)}, "`probability` has probabilities that do"),
         ({"initial": np.ones(5)}, "`initial` has probabilities that do not sum to 1"),
         ({"successor": np.full((5, 2, 2), 5)}, "`successor` leads out of the states 0 to 4"),
         ({"successor": np.zeros((5, 2), int)}, "are not both"),
         ({"actions": np.arange(3)}, "`actions` are not 2"),
+        ({"actions": np.array([1, 2])}, r"not those of its action space, Discrete\(2\)"),
         ({"observations": np.zeros((4, 1))}, "are not of 5 states"),
     ],
 )

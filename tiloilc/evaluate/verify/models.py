@@ -33,8 +33,8 @@ def model_of(plan: Plan) -> tuple[MarkovModel | None, str]:
     """The model that the environment of `plan` publishes, and why it is not exact; empty if it is.
 
     An exact model is compared with the environment in a few random episodes. Raises CompileError
-    RUN714 if it is no model, or says that what happens there is impossible, RUN707 if the
-    environment fails.
+    RUN714 if it is no model, lacks actions or says that what happens there is impossible, RUN707 if
+    the environment fails.
     """
     from tiloilc.tasks import markov_model
 
@@ -53,6 +53,8 @@ def model_of(plan: Plan) -> tuple[MarkovModel | None, str]:
             return None, problem
         if not model.exact:
             return model, f"the finite model of `{name}` is not exact"
+        if not _has_all_actions(model, env.action_space):
+            raise _wrong(name, f"`actions` are not those of its action space, {env.action_space}")
         pairs = len(model.initial) * len(plan.ldba.names)
         if pairs > MAX_PAIRS:
             return model, f"there are {pairs:,} pairs of states, more than {MAX_PAIRS:,}"
@@ -60,6 +62,16 @@ def model_of(plan: Plan) -> tuple[MarkovModel | None, str]:
         return model, ""
     finally:
         env.close()
+
+
+def _has_all_actions(model: MarkovModel, space: gymnasium.Space[Any]) -> bool:
+    """Whether an agent in `space` can only do what the model knows."""
+    from gymnasium.spaces import Discrete
+
+    actions = np.asarray(model.actions)
+    return isinstance(space, Discrete) and np.array_equal(
+        np.unique(actions), np.arange(space.start, space.start + space.n)
+    )
 
 
 def _compare(env: gymnasium.Env[Any, Any], model: MarkovModel, name: str) -> None:
@@ -103,7 +115,8 @@ def _fault(model: MarkovModel) -> str:
     if (model.successor < 0).any() or (model.successor >= shape[0]).any():
         return f"`successor` leads out of the states 0 to {shape[0] - 1}"
     for chances, named in ((model.probability, "probability"), (model.initial, "initial")):
-        if (chances < 0).any() or (abs(chances.sum(axis=-1) - 1) > ROUNDING).any():
+        sums = chances.sum(axis=-1)
+        if (chances < 0).any() or not (abs(sums - 1) <= ROUNDING).all():  # nan is no chance
             return f"`{named}` has probabilities that do not sum to 1"
     return ""
 
