@@ -23,7 +23,7 @@ from tiloilc.demos import DemoSet
 from tiloilc.diag import CompileError
 from tiloilc.driver import compile_spec, labeller
 from tiloilc.evaluate.protocol import Validator
-from tiloilc.evaluate.verify import Verification, Wanted, verify_run, verify_task
+from tiloilc.evaluate.verify import Verification, Wanted, simulated, verify_run, verify_task
 from tiloilc.evaluate.verify.exact import Exact
 from tiloilc.learn import train
 from tiloilc.ltl import Lasso, holds, parse
@@ -99,6 +99,22 @@ def test_no_two_agents_share_an_episode(gambled: tuple[Task, Path]) -> None:
     found = verify_run(*task, run, Wanted(method="simulate", episodes=300))
     first, second = (judged.found for judged in found.judged)
     assert first != second, "the same dice would have given the same"
+
+
+def test_what_is_played_beyond_the_last_episode_does_not_count(
+    gambled: tuple[Task, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of three episodes in chunks of two a fourth is played, which differs here from the others."""
+    task, run = gambled
+    told(run, worlds.PLAY, worlds.PLAY)
+    monkeypatch.setattr(simulated, "CHUNK", 2)
+    seeds = {0: [1, 1], 2: [1, 2]}
+    patched = lambda self, start, count: (2 * seeds[start])[: 2 * count]  # noqa: E731
+    monkeypatch.setattr(simulated.Simulation, "_seeds", patched)
+    for episodes, alike in ((3, (0, 1)), (4, ())):
+        found = verify_run(*task, run, Wanted(method="simulate", episodes=episodes))
+        assert found.simulated is not None
+        assert found.simulated.alike == alike
 
 
 def test_a_counterexample_is_the_likeliest_way_or_one_that_was_played(

@@ -61,7 +61,7 @@ class Simulation:
             kept = min(self.chunk, self.episodes - start)
             violated.append(np.asarray(rollout.sink[:, :kept].any(axis=2)))
             visits.append(rollout.accepting[:, :kept, 1:].sum(axis=2))
-            path: Int = np.where(rollout.over, -1, rollout.states)
+            path: Int = np.where(rollout.over, -1, rollout.states)[:, :kept]
             first = path[:, :1] if first is None else first
             alike &= np.array(
                 [bool((one == same).all()) for one, same in zip(path, first, strict=True)]
