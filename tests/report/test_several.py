@@ -14,6 +14,7 @@ from tiloilc.diag import CompileError
 from tiloilc.report import read_run, render
 from tiloilc.report.page.automata import passes
 from tiloilc.report.page.facts import labels
+from tiloilc.report.page.verified import shown
 from tiloilc.report.runs.reading import MOST_FILM
 
 VERIFIED: dict[str, Any] = {
@@ -166,6 +167,19 @@ def test_what_verification_found_is_told(tmp_path: Path) -> None:
     assert "The most that a policy can reach is at least 1: a lattice." in told
     assert "It touches b." in told
     assert "<li>r at step 3</li>" in told
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"), (1.0, "1"), (0.25, "0.25"), (0.99994, "0.9999"),
+        (2e-6, "2e-06"), (1 - 2e-6, "1 - 2e-06"), (None, "–"),
+    ],
+)  # fmt: skip
+def test_what_is_nearly_certain_or_impossible_is_not_shown_as_that(
+    value: float | None, text: str
+) -> None:
+    assert shown(value) == text
 
 
 def test_an_exact_verification_has_no_bounds(tmp_path: Path) -> None:

@@ -65,5 +65,10 @@ def _cells(agent: Agent, sampled: bool) -> list[Markup]:
 
 
 def shown(value: float | None) -> str:
-    """A probability with four places, 0 and 1 as what they are."""
-    return "–" if value is None else f"{value:.4f}".rstrip("0").rstrip(".")
+    """A probability with four places; what is close to 0 or 1 is not shown as that."""
+    if value is None:
+        return "–"
+    places = f"{value:.4f}"
+    if float(places) in (0.0, 1.0) and value != float(places):
+        return f"{value:.3g}" if value < 0.5 else f"1 - {1 - value:.3g}"
+    return places.rstrip("0").rstrip(".")
