@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import shutil
-import sys
 import time
-from types import TracebackType
 from typing import TYPE_CHECKING
 
-from tiloilc.cli.console import coloured
+from tiloilc.cli.line import MovingLine, clock
 
 if TYPE_CHECKING:
     from tiloilc.learn import Metrics, Watched
@@ -19,16 +17,14 @@ REDRAW = 0.2
 """Seconds between two states of the moving line."""
 
 
-class Progress:
+class Progress(MovingLine):
     """Writes to standard error: a bar with stages, visits, violations, speed and time left."""
 
     def __init__(self, plan: Plan, quiet: bool) -> None:
-        self.quiet = quiet
-        self.moves = not quiet and sys.stderr.isatty() and coloured(sys.stderr)
+        super().__init__(quiet)
         self.live = [b for b in plan.ldba.states if b != plan.ldba.sink]
         self.began = self.drawn = time.monotonic()
         self.first: int | None = None
-        self.width = 0
 
     def watch(self, seen: Watched) -> None:
         """Show where training is."""
@@ -38,10 +34,10 @@ class Progress:
         if self.quiet:
             return
         if seen.metrics is not None:
-            self._print(self._judged(seen, seen.metrics), keep=True)
+            self.write(self._judged(seen, seen.metrics), keep=True)
         elif self.moves and now - self.drawn >= REDRAW:
             columns = shutil.get_terminal_size().columns
-            self._print(self._bar(seen, columns), keep=False)
+            self.write(self._bar(seen, columns), keep=False)
             self.drawn = now
 
     def _judged(self, seen: Watched, metrics: Metrics) -> str:
@@ -86,25 +82,4 @@ class Progress:
         if taken <= 0:
             return "speed not known yet"
         speed = taken / max(time.monotonic() - self.began, 1e-3)
-        minutes, seconds = divmod(round((seen.steps - seen.step) / speed), 60)
-        hours = f"{minutes // 60}:{minutes % 60:02d}" if minutes >= 60 else str(minutes)
-        return f"{speed:,.0f} steps/s  {hours}:{seconds:02d} left"
-
-    def _print(self, line: str, keep: bool) -> None:
-        """Write over the moving line, if there is one."""
-        start = "\r" + " " * self.width + "\r" if self.width else ""
-        sys.stderr.write(start + line + ("\n" if keep else ""))
-        sys.stderr.flush()
-        self.width = 0 if keep else len(line)
-
-    def __enter__(self) -> Progress:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
-        if self.width:
-            self._print("", keep=True)
+        return f"{speed:,.0f} steps/s  {clock((seen.steps - seen.step) / speed)} left"

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import shutil
-import sys
 import time
-from types import TracebackType
 from typing import TYPE_CHECKING
 
-from tiloilc.cli.console import coloured
+from tiloilc.cli.line import MovingLine, clock
 
 if TYPE_CHECKING:
     from tiloilc.sweep import Event, Job, Outcome, Sweep
@@ -17,23 +15,23 @@ REDRAW = 0.5
 """Seconds between two states of the moving line."""
 
 
-class SweepProgress:
+class SweepProgress(MovingLine):
     """Writes to standard error what has begun and ended, how much is left, and how long it takes.
 
     The time left is told from the jobs that have ended: their seconds a step and seed.
     """
 
     def __init__(self, sweep: Sweep, quiet: bool) -> None:
-        self.sweep, self.quiet = sweep, quiet
-        self.moves = not quiet and sys.stderr.isatty() and coloured(sys.stderr)
+        super().__init__(quiet)
+        self.sweep = sweep
         self.jobs = {job.id: job for job in sweep.jobs}
         self.running: dict[str, float] = {}
         self.undone = set(self.jobs)
         self.told = False  # some engines do not know what has begun
         self.began = time.monotonic()
-        self.ended = self.failed = 0
+        self.failed = 0
         self.seconds, self.cost = 0.0, 0
-        self.drawn, self.width = 0.0, 0
+        self.drawn = 0.0
 
     def watch(self, event: Event) -> None:
         """Tell of an event."""
@@ -45,19 +43,18 @@ class SweepProgress:
             case Started(id):
                 self.told = True
                 self.running[id] = time.monotonic()
-                self._print(f"begun   {self._name(self.jobs[id])}", keep=True)
+                self.write(f"begun   {self._name(self.jobs[id])}", keep=True)
             case outcome:
                 self._end(outcome)
         now = time.monotonic()
         if self.moves and now - self.drawn >= REDRAW:
-            self._print(self.state()[: shutil.get_terminal_size().columns - 1], keep=False)
+            self.write(self.state()[: shutil.get_terminal_size().columns - 1], keep=False)
             self.drawn = now
 
     def _end(self, outcome: Outcome) -> None:
         job = self.jobs[outcome.id]
         self.running.pop(outcome.id, None)
         self.undone.discard(outcome.id)
-        self.ended += 1
         word = "failed" if outcome.problem else "done"
         if outcome.problem:
             self.failed += 1
@@ -65,11 +62,11 @@ class SweepProgress:
             self.seconds += outcome.seconds
             self.cost += job.cost
         name, took = self._name(job), clock(outcome.seconds)
-        self._print(f"{word:<8}{name}  {took}  ({self.state()})", keep=True)
+        self.write(f"{word:<8}{name}  {took}  ({self.state()})", keep=True)
 
     def state(self) -> str:
         """How much is done, runs and is left."""
-        parts = [f"{self.ended} of {len(self.jobs)} done"]
+        parts = [f"{len(self.jobs) - len(self.undone)} of {len(self.jobs)} done"]
         if self.failed:
             parts.append(f"{self.failed} failed")
         if self.told:
@@ -92,34 +89,6 @@ class SweepProgress:
     def _name(self, job: Job) -> str:
         one = self.sweep.experiments[job.number]
         return f"{one.plan.name} {one.words} {seeds_of(job.seeds)}"
-
-    def _print(self, line: str, keep: bool) -> None:
-        """Write over the moving line, if there is one."""
-        if self.quiet:
-            return
-        start = "\r" + " " * self.width + "\r" if self.width else ""
-        sys.stderr.write(start + line + ("\n" if keep else ""))
-        sys.stderr.flush()
-        self.width = 0 if keep else len(line)
-
-    def __enter__(self) -> SweepProgress:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
-        if self.width:
-            self._print("", keep=True)
-
-
-def clock(seconds: float) -> str:
-    """Minutes and seconds, and hours where there are any."""
-    minutes, rest = divmod(round(seconds), 60)
-    hours = f"{minutes // 60}:{minutes % 60:02d}" if minutes >= 60 else str(minutes)
-    return f"{hours}:{rest:02d}"
 
 
 def seeds_of(seeds: range) -> str:
