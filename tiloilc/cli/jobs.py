@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -224,21 +223,15 @@ def _swept(run: Path, resume: bool) -> Iterator[None]:
 
 @contextmanager
 def _alone(run: Path) -> Iterator[None]:
-    """Hold the run folder, where the system has such locks: two logs in one are none."""
-    try:
-        import fcntl
-    except ImportError:  # pragma: no cover - Windows
-        yield
-        return
-    handle = os.open(run, os.O_RDONLY)
-    try:
+    """Hold the run folder: two logs in one are none. Raises Exit 2 if another process does."""
+    from tiloilc.evaluate.alone import alone
+
+    with ExitStack() as held:
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            held.enter_context(alone(run, wait=False))
         except BlockingIOError:
             raise fail(f"`{run.as_posix()}` is being trained by another process") from None
         yield
-    finally:
-        os.close(handle)
 
 
 def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]:

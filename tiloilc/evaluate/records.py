@@ -12,12 +12,12 @@ import os
 import tempfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
 from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.evaluate.alone import alone
 
 __all__ = ["Record", "append", "dedupe", "read", "records_of_run", "split_seeds", "write"]
 
@@ -139,7 +139,7 @@ def append(path: Path, records: Sequence[Record]) -> int:
     The file is replaced in one step, and others that append at the same time wait.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    with _alone_in(path.parent):
+    with alone(path.parent):
         known = list(_lines(path)) if path.exists() else []
         merged = dedupe([*known, *records])
         write(path, merged)
@@ -223,19 +223,3 @@ def _reason(error: Exception) -> str:
 
 def _unreadable(path: Path, problem: str) -> CompileError:
     return CompileError(Diagnostic.of("RUN701", path=str(path), problem=problem))
-
-
-@contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    """Hold the folder's lock, where the system has such locks."""
-    try:
-        import fcntl
-    except ImportError:  # pragma: no cover - Windows
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)

@@ -15,10 +15,9 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
+from tiloilc.evaluate.alone import alone
 from tiloilc.sweep.work import RECORDS, RUNS
 
 GRACE = 120.0
@@ -31,7 +30,7 @@ def main(folder: Path, arguments: list[str]) -> None:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT, signal.SIGTERM})
     signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    with alone(folder):
+    with alone(folder / "lock"):
         if (folder / RECORDS).is_file():
             return
         resume = ["--resume"] if any((folder / RUNS).glob("*/*/plan.json")) else []
@@ -48,22 +47,6 @@ def _end_with_parent() -> None:
         signal.raise_signal(signal.SIGINT)
     time.sleep(GRACE)
     os._exit(130)
-
-
-@contextmanager
-def alone(folder: Path) -> Iterator[None]:
-    """Wait until no other process works in the folder, where the system has such locks."""
-    try:
-        import fcntl
-    except ImportError:  # pragma: no cover - Windows
-        yield
-        return
-    handle = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)
 
 
 if __name__ == "__main__":
