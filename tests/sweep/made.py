@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from pathlib import Path
 
 from tiloilc.evaluate import Record, split_seeds
@@ -78,7 +78,7 @@ class Feigned:
         self.outcomes = outcomes
         self.asked: list[str] = []
 
-    def results(self, works: Sequence[Work]) -> Iterator[Event]:
+    def results(self, works: Sequence[Work]) -> Generator[Event, None, None]:
         """The outcomes of the jobs."""
         for work in works:
             self.asked.append(work.id)

@@ -9,7 +9,7 @@ import pytest
 from tests.sweep.made import Feigned, experiments, records_of, task
 from tiloilc.diag import CompileError
 from tiloilc.evaluate import append, read
-from tiloilc.sweep import Experiment, Job, Outcome, Sweep, carry_out, collect, jobs_of, table
+from tiloilc.sweep import Event, Experiment, Job, Outcome, Sweep, carry_out, collect, jobs_of, table
 from tiloilc.sweep.work import RECORDS
 
 
@@ -20,9 +20,12 @@ def sweep(tmp_path: Path) -> Sweep:
     return Sweep(found, jobs_of(found, [()]), tmp_path / "runs")
 
 
+def unwatched(event: Event) -> None:
+    """Whatever is told is of no interest."""
+
+
 def outcome(one: Experiment, job: Job, **other: object) -> Outcome:
-    texts = tuple(record.text for record in records_of(one, job.seeds, **other))
-    return Outcome(job.id, texts, "", (), 1.0)
+    return Outcome(job.id, tuple(records_of(one, job.seeds, **other)), "", (), 1.0)
 
 
 def test_records_are_merged_as_they_come_in(sweep: Sweep) -> None:
@@ -39,20 +42,16 @@ def test_a_job_that_fails_does_not_stop_the_others(sweep: Sweep) -> None:
     (one,) = sweep.experiments
     first, second = sweep.jobs
     bad = Outcome(first.id, (), "exit status 1", ("error: no",), 1.0)
-    failed = carry_out(sweep, Feigned({first.id: bad, second.id: outcome(one, second)}), len_of)
+    failed = carry_out(sweep, Feigned({first.id: bad, second.id: outcome(one, second)}), unwatched)
     assert failed == {first.id: bad}
     assert [record.fields["seed"] for record in read(one.records)] == list(second.seeds)
-
-
-def len_of(event: object) -> None:
-    assert event is None or event
 
 
 @pytest.mark.parametrize("other", [{"plan_digest": "0"}, {"seeds": [7, 8]}])
 def test_records_of_something_else_are_a_failure(sweep: Sweep, other: dict[str, object]) -> None:
     (one,) = sweep.experiments
     engine = Feigned({job.id: outcome(one, job, **other) for job in sweep.jobs})
-    failed = carry_out(sweep, engine, len_of)
+    failed = carry_out(sweep, engine, unwatched)
     assert set(failed) == {job.id for job in sweep.jobs}
     assert all("records are" in bad.problem for bad in failed.values())
     assert not one.records.exists()
@@ -69,12 +68,15 @@ def test_what_a_killed_sweep_left_behind_is_recorded(sweep: Sweep) -> None:
     assert len(read(one.records)) == 2
 
 
-def test_jobs_of_one_task_share_its_build(sweep: Sweep) -> None:
-    (one,) = sweep.experiments
-    carry_out(sweep, Feigned({job.id: outcome(one, job) for job in sweep.jobs}), len_of)
+def test_all_jobs_of_a_task_share_its_build(sweep: Sweep, tmp_path: Path) -> None:
+    (other,) = experiments(task(tmp_path), settings={"beta": 0.2}, records=str(tmp_path / "other"))
+    found = [*sweep.experiments, other]
+    sweep = Sweep(found, jobs_of(found, [(), ()]), sweep.folder)
+    engine = Feigned({job.id: outcome(found[job.number], job) for job in sweep.jobs})
+    assert carry_out(sweep, engine, unwatched) == {}
     (build,) = (sweep.folder / "builds").iterdir()
     plan = (build / "plan.json").stat().st_mtime_ns
-    carry_out(sweep, Feigned({job.id: outcome(one, job) for job in sweep.jobs}), len_of)
+    carry_out(sweep, engine, unwatched)
     assert (build / "plan.json").stat().st_mtime_ns == plan
 
 
@@ -83,7 +85,7 @@ def test_a_damaged_record_file_stops_the_sweep(sweep: Sweep) -> None:
     one.records.parent.mkdir()
     one.records.write_bytes(b"no gzip")
     with pytest.raises(CompileError, match="RUN701"):
-        carry_out(sweep, Feigned({job.id: outcome(one, job) for job in sweep.jobs}), len_of)
+        carry_out(sweep, Feigned({job.id: outcome(one, job) for job in sweep.jobs}), unwatched)
 
 
 def test_the_table_has_a_row_for_each_experiment(sweep: Sweep) -> None:

@@ -14,9 +14,9 @@ import pytest
 
 from tests.conftest import ROOT
 from tests.sweep.made import task
+from tiloilc.diag import CompileError
 from tiloilc.evaluate import read
-
-ray = pytest.importorskip("ray")
+from tiloilc.sweep import Ray
 
 
 @pytest.fixture
@@ -33,6 +33,13 @@ def nodes(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, list[int]]]:
         yield cluster.address, [w.all_processes["raylet"][0].process.pid for w in workers]
     finally:
         cluster.shutdown()
+
+
+@pytest.mark.parametrize("options", [{"num_cpus": "x"}, {"no_such": 1}])
+def test_an_option_that_ray_has_not_is_a_finding(options: dict[str, object]) -> None:
+    (name,) = options
+    with pytest.raises(CompileError, match=r"RUN715.*" + name):
+        list(Ray(options).results([]))
 
 
 def raylet_of(folder: Path) -> int:

@@ -22,8 +22,6 @@ from tiloilc.sweep import Outcome, Slurm, Sweep, carry_out, jobs_of
 from tiloilc.sweep.slurm import Task
 from tiloilc.sweep.work import Work
 
-pytest.importorskip("submitit")
-
 
 @pytest.fixture(autouse=True)
 def closed_logs(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
 from tiloilc.driver import plan_file, write_build
-from tiloilc.evaluate import append
+from tiloilc.evaluate import Record, append
 from tiloilc.plan import digest
 from tiloilc.sweep.engine import Engine, Event
 from tiloilc.sweep.experiments import Experiment, Job
-from tiloilc.sweep.work import RECORDS, Outcome, Work, arguments, left, records_of
+from tiloilc.sweep.work import RECORDS, Outcome, Work, arguments, left
 
 JOBS, BUILDS = "jobs", "builds"
 
@@ -45,7 +47,7 @@ def collect(sweep: Sweep) -> list[Job]:
         if not (folder / RECORDS).is_file():
             remaining.append(job)
             continue
-        problem = _record(sweep, job, Outcome(job.id, left(folder), "", (), 0.0))
+        problem = _record(sweep, job, left(folder))
         assert not problem, problem
     return remaining
 
@@ -67,25 +69,20 @@ def carry_out(
     ]
     jobs = {job.id: job for job in sweep.jobs}
     failed = {}
-    events = engine.results(works)
-    try:
+    with closing(engine.results(works)) as events:
         for event in events:
             if isinstance(event, Outcome):
-                problem = event.problem or _record(sweep, jobs[event.id], event)
+                problem = event.problem or _record(sweep, jobs[event.id], event.records)
                 if problem:
-                    event = Outcome(event.id, (), problem, event.tail, event.seconds)
+                    event = dataclasses.replace(event, records=(), problem=problem)
                     failed[event.id] = event
             watch(event)
-    finally:
-        close = getattr(events, "close", None)
-        if close is not None:
-            close()
     return failed
 
 
-def _record(sweep: Sweep, job: Job, outcome: Outcome) -> str:
+def _record(sweep: Sweep, job: Job, records: Sequence[Record]) -> str:
     """Add a job's records to their file; else what is wrong with them."""
-    one, records = sweep.experiments[job.number], records_of(outcome)
+    one = sweep.experiments[job.number]
     wanted = digest(one.plan_of(job.seeds))
     if any(record.fields.get("plan_digest") != wanted for record in records):
         return "its records are of another plan"
@@ -97,15 +94,11 @@ def _record(sweep: Sweep, job: Job, outcome: Outcome) -> str:
 
 def _write_builds(sweep: Sweep) -> dict[int, Path]:
     """The compiled task of each experiment that has jobs, so that no job compiles it again."""
-    written: dict[int, Path] = {}
-    known: dict[str, Path] = {}
+    builds: dict[int, Path] = {}
     for number in sorted({job.number for job in sweep.jobs}):
         task = sweep.experiments[number].task
         key = hashlib.sha256(f"{task.plan.root}{os.sep}{digest(task.plan)}".encode()).hexdigest()
-        if key not in known:
-            known[key] = sweep.folder / BUILDS / f"{task.plan.name}-{key[:12]}"
-            known[key].mkdir(parents=True, exist_ok=True)
-            if not plan_file(known[key]).is_file():  # the plan is written last
-                write_build(task, known[key])
-        written[number] = known[key]
-    return written
+        builds[number] = sweep.folder / BUILDS / f"{task.plan.name}-{key[:12]}"
+        if not plan_file(builds[number]).is_file():  # the plan is written last
+            write_build(task, builds[number])
+    return builds

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
+from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.sweep.work import Outcome, Work
 
 
@@ -23,10 +24,16 @@ Event: TypeAlias = Started | Outcome | None
 class Engine(Protocol):
     """Does jobs."""
 
-    def results(self, works: Sequence[Work]) -> Iterator[Event]:
+    def results(self, works: Sequence[Work]) -> Generator[Event, None, None]:
         """Do all of them, begun in this order; one outcome for each, in any order.
 
-        A job that fails is an outcome. Closing the iterator, or an exception in it, ends what
+        A job that fails is an outcome. Closing the generator, or an exception in it, ends what
         runs so that it can be gone on with.
         """
         ...
+
+
+def unusable(engine: str, problem: object, help: str = "") -> CompileError:
+    """RUN715: why there is no cluster to work on, in the first line of what it said."""
+    line = next(iter(str(problem).strip().splitlines()), "no reason")
+    return CompileError(Diagnostic.of("RUN715", engine=engine, problem=line, help=help))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 
 from tiloilc.sweep.engine import Event, Started
-from tiloilc.sweep.work import PAUSE, Process, Work
+from tiloilc.sweep.work import PAUSE, Outcome, Process, Work, begin
 
 
 @dataclass(frozen=True)
@@ -16,14 +16,18 @@ class Local:
 
     workers: int
 
-    def results(self, works: Sequence[Work]) -> Iterator[Event]:
+    def results(self, works: Sequence[Work]) -> Generator[Event, None, None]:
         """Do the jobs here. When it is closed, running ones write a checkpoint and end."""
         waiting, running = list(reversed(works)), list[Process]()
         try:
             while waiting or running:
                 while waiting and len(running) < self.workers:
-                    running.append(Process(waiting.pop()))
-                    yield Started(running[-1].work.id)
+                    begun = begin(waiting.pop())
+                    if isinstance(begun, Outcome):
+                        yield begun
+                    else:
+                        running.append(begun)
+                        yield Started(begun.work.id)
                 for process in list(running):
                     outcome = process.outcome()
                     if outcome is not None:

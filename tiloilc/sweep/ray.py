@@ -6,13 +6,13 @@ import dataclasses
 import logging
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tiloilc.diag import CompileError, Diagnostic
-from tiloilc.sweep.engine import Event
+from tiloilc.diag import CompileError
+from tiloilc.sweep.engine import Event, unusable
 from tiloilc.sweep.parcel import Parcel, pack, unpack
 from tiloilc.sweep.work import Outcome, Process, Work, do
 
@@ -21,6 +21,13 @@ OF_TASKS = ("max_retries", "memory", "num_cpus", "num_gpus", "resources")
 
 RETRIES = 20
 """How often a job begins anew because its machine was lost; it goes on where that is seen."""
+
+QUIETLY: Mapping[str, object] = {
+    "logging_level": logging.ERROR,
+    "log_to_driver": False,
+    "include_dashboard": False,
+}
+"""Options of `ray.init`, unless told otherwise."""
 
 GRACE = 60.0
 """Seconds that cancelled jobs have for a last checkpoint."""
@@ -32,17 +39,21 @@ class Ray:
 
     options: Mapping[str, object] = field(default_factory=dict)
 
-    def results(self, works: Sequence[Work]) -> Iterator[Event]:
+    def results(self, works: Sequence[Work]) -> Generator[Event, None, None]:
         """Do the jobs wherever there is a processor; those of a lost machine on another.
 
-        A job is told of when it has ended. Raises CompileError RUN715 if there is no cluster.
+        A job is told of when it has ended. Raises CompileError RUN715 if there is no cluster, or
+        none that takes the options.
         """
         ray = require()
         begun_here = not ray.is_initialized()
-        if begun_here:
-            self._begin(ray)
         tasks = {"num_cpus": 1, "max_retries": RETRIES, **self._options(tasks=True)}
-        remote = ray.remote(do_task).options(**tasks)
+        try:
+            remote = ray.remote(do_task).options(**tasks)
+            if begun_here:
+                ray.init(**{**QUIETLY, **self._options(tasks=False)})
+        except Exception as error:
+            raise unusable("ray", error) from None
         pending: dict[Any, Work] = {}
         try:
             parcels = {build: ray.put(pack(Path(build))) for build in {w.build for w in works}}
@@ -59,14 +70,6 @@ class Ray:
                 ray.wait(list(pending), num_returns=len(pending), timeout=GRACE)
             if begun_here:
                 ray.shutdown()
-
-    def _begin(self, ray: Any) -> None:
-        about = {"logging_level": logging.ERROR, "log_to_driver": False, "include_dashboard": False}
-        given = self._options(tasks=False)
-        try:
-            ray.init(**({k: v for k, v in about.items() if k not in given} | given))
-        except Exception as error:
-            raise unusable(str(error).strip().splitlines()[0]) from None
 
     def _options(self, tasks: bool) -> dict[str, object]:
         return {k: v for k, v in self.options.items() if (k in OF_TASKS) == tasks}
@@ -88,7 +91,7 @@ def do_task(work: Work, parcel: Parcel) -> Outcome:
     try:
         here = moved(work, parcel)
     except (OSError, CompileError) as error:
-        return Outcome(work.id, (), str(error), (), 0.0)
+        return work.lost(str(error))
     return do(here, watch)
 
 
@@ -108,13 +111,8 @@ def require() -> Any:
     try:
         import ray
     except ImportError:
-        raise unusable("Ray is not installed", "pip install 'tiloilc[ray]'") from None
+        raise unusable("ray", "Ray is not installed", "pip install 'tiloilc[ray]'") from None
     return ray
-
-
-def unusable(problem: str, help: str = "") -> CompileError:
-    """Why there is no cluster to work on."""
-    return CompileError(Diagnostic.of("RUN715", engine="ray", problem=problem, help=help))
 
 
 def _outcome(ray: Any, reference: Any, work: Work) -> Outcome:
@@ -122,6 +120,6 @@ def _outcome(ray: Any, reference: Any, work: Work) -> Outcome:
         outcome = ray.get(reference)
     except ray.exceptions.RayError as error:
         lines = [line for line in str(error).splitlines() if line.strip()]
-        return Outcome(work.id, (), lines[-1] if lines else type(error).__name__, (), 0.0)
+        return work.lost(lines[-1] if lines else type(error).__name__)
     assert isinstance(outcome, Outcome)
     return outcome

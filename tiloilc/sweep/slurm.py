@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tiloilc.diag import CompileError, Diagnostic
-from tiloilc.sweep.engine import Event, Started
-from tiloilc.sweep.work import Outcome, Process, Work, do
+from tiloilc.sweep.engine import Event, Started, unusable
+from tiloilc.sweep.work import TAIL, Outcome, Process, Work, do
 
 DEFAULTS: Mapping[str, object] = {"name": "tiloilc", "cpus_per_task": 1, "timeout_min": 240}
 """submitit's own limit is five minutes. A job that reaches the limit is submitted again."""
@@ -32,7 +31,7 @@ class Slurm:
     folder: Path
     options: Mapping[str, object] = field(default_factory=dict)
 
-    def results(self, works: Sequence[Work]) -> Iterator[Event]:
+    def results(self, works: Sequence[Work]) -> Generator[Event, None, None]:
         """Submit the jobs as one array. When it is closed, those that have not ended are cancelled.
 
         Raises CompileError RUN715 if the cluster cannot be used.
@@ -65,7 +64,7 @@ class Slurm:
             with executor.batch():
                 jobs = [executor.submit(Task(), work) for work in works]
         except Exception as error:
-            raise _unusable((str(error).strip().splitlines() or ["no reason"])[0]) from None
+            raise unusable("slurm", error) from None
         return dict(zip(jobs, works, strict=True))
 
 
@@ -99,12 +98,9 @@ def require() -> Any:
     try:
         import submitit
     except ImportError:
-        raise _unusable("submitit is not installed", "pip install 'tiloilc[slurm]'") from None
+        help = "pip install 'tiloilc[slurm]'"
+        raise unusable("slurm", "submitit is not installed", help) from None
     return submitit
-
-
-def _unusable(problem: str, help: str = "") -> CompileError:
-    return CompileError(Diagnostic.of("RUN715", engine="slurm", problem=problem, help=help))
 
 
 def _outcome(job: Any, work: Work) -> Outcome:
@@ -114,6 +110,6 @@ def _outcome(job: Any, work: Work) -> Outcome:
     except Exception as error:
         lines = [line for line in str(error).splitlines() if line.strip()]
         problem = lines[0] if lines else type(error).__name__
-        return Outcome(work.id, (), f"job {job.job_id}: {problem}", tuple(lines[-12:]), 0.0)
+        return work.lost(f"job {job.job_id}: {problem}", tuple(lines[-TAIL:]))
     assert isinstance(outcome, Outcome)
     return outcome

@@ -39,13 +39,17 @@ class Work:
     arguments: tuple[str, ...]
     cost: int
 
+    def lost(self, problem: str, tail: tuple[str, ...] = ()) -> Outcome:
+        """That nothing came of it, and why."""
+        return Outcome(self.id, (), problem, tail, 0.0)
+
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a job: its records as text, or why there are none, and the end of its log."""
+    """What came of a job: its records, or why there are none, and the end of its log."""
 
     id: str
-    records: tuple[str, ...]
+    records: tuple[Record, ...]
     problem: str
     tail: tuple[str, ...]
     seconds: float
@@ -110,17 +114,23 @@ class Process:
             raise
 
 
+def begin(work: Work) -> Process | Outcome:
+    """The job's program, running; or why it could not begin."""
+    try:
+        return Process(work)
+    except OSError as error:
+        return work.lost(str(error))
+
+
 def do(work: Work, watch: Callable[[Process], None] = lambda process: None) -> Outcome:
     """Do a job to its end, on whichever machine this is; what goes wrong is in the outcome.
 
     `watch` looks at the process now and then. If it raises, or this is interrupted, so is the job,
     which then writes a checkpoint.
     """
-    began = time.monotonic()
-    try:
-        process = Process(work)
-    except (OSError, CompileError) as error:
-        return Outcome(work.id, (), str(error), (), time.monotonic() - began)
+    process = begin(work)
+    if isinstance(process, Outcome):
+        return process
     try:
         while (outcome := process.outcome()) is None:
             watch(process)
@@ -130,7 +140,7 @@ def do(work: Work, watch: Callable[[Process], None] = lambda process: None) -> O
     return outcome
 
 
-def outcome_of(folder: Path, status: int) -> tuple[tuple[str, ...], str]:
+def outcome_of(folder: Path, status: int) -> tuple[tuple[Record, ...], str]:
     """The records that a job left, or what is wrong."""
     if status != 0:
         return (), f"killed by signal {-status}" if status < 0 else f"exit status {status}"
@@ -140,14 +150,9 @@ def outcome_of(folder: Path, status: int) -> tuple[tuple[str, ...], str]:
         return (), str(error)
 
 
-def left(folder: Path) -> tuple[str, ...]:
+def left(folder: Path) -> tuple[Record, ...]:
     """The records of a finished job in its folder. Raises CompileError RUN701."""
-    return tuple(record.text for record in read(folder / RECORDS))
-
-
-def records_of(outcome: Outcome) -> list[Record]:
-    """An outcome's records, which may have come from another machine."""
-    return [Record(text) for text in outcome.records]
+    return tuple(read(folder / RECORDS))
 
 
 def tail_of(log: Path) -> list[str]:
