@@ -134,7 +134,7 @@ def test_another_task_file_or_setting_is_not_done(tmp_path: Path, one: Experimen
     same = {"seeds": 10, "first_seed": 3, "records": str(one.records.parent)}
     (known,) = experiments(task(tmp_path), settings={"beta": 0.2}, **same)
     (other,) = experiments(task(tmp_path), settings={"beta": 0.1}, **same)
-    changed = task(tmp_path, horizon="", evaluate="evaluate: {episodes: 3}")
+    changed = task(tmp_path, evaluate="evaluate: {episodes: 3}")
     (later,) = experiments(changed, settings={"beta": 0.2}, **same)
     done = recorded([known, other, later], Same.PLAN, None)
     assert [len(records) for records in done] == [10, 0, 0]

@@ -44,6 +44,14 @@ def test_specs_are_globs_relative_to_the_sweep_file(tmp_path: Path) -> None:
     assert request.specs == tuple(sorted(paths))
 
 
+def test_a_folders_name_is_no_pattern(tmp_path: Path) -> None:
+    folder = tmp_path / "a[b]"
+    folder.mkdir()
+    spec, path = task(folder), folder / "sweep.yaml"
+    path.write_text("specs: ['c*.yaml']\n", encoding="utf-8")
+    assert asked(path)[0].specs == (spec,)
+
+
 def test_algorithms_times_sets_times_grid(tmp_path: Path) -> None:
     task(tmp_path)
     found = sweep(
@@ -118,11 +126,21 @@ def test_a_setting_in_a_set_and_in_the_grid_is_a_clash(tmp_path: Path) -> None:
     assert "line 3" in finding.label
 
 
-def test_a_sweep_file_that_is_a_list_is_none(tmp_path: Path) -> None:
+def test_a_sweep_file_without_specs_and_one_that_is_no_yaml_are_refused(tmp_path: Path) -> None:
     (finding,) = wrong(tmp_path, "specs:\n")
     assert finding.code == "SPEC103"
     (finding,) = wrong(tmp_path, "- a\n# as in\nspecs: x\n")
     assert finding.code == "SPEC100"
+
+
+def test_what_is_strange_in_a_task_file_is_told_once_and_there(tmp_path: Path) -> None:
+    train = "train: {steps: 400, beta: 0.3, sink_reward: 0}"
+    path = task(tmp_path, train=train)
+    _, found = check(asked(path, settings={"gamma": 0.9}))
+    (finding,) = [finding for finding in found if finding.code == "JOB605"]
+    assert marked(path.read_text(), finding) == "0"
+    _, found = check(asked(path, settings={"sink_reward": -0.1}))
+    assert [f.span is None for f in found if f.code == "JOB605"] == [False, True]
 
 
 def test_faults_of_all_specs_and_settings_are_told_at_once(tmp_path: Path) -> None:

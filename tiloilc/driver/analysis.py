@@ -61,6 +61,10 @@ class Analysis:
         """Whether there is an error."""
         return any(d.severity is Severity.ERROR for d in self.diagnostics)
 
+    def setting(self, name: str) -> Span:
+        """Where a setting of training is given, or the section that it could stand in."""
+        return _setting(self.document, name)
+
 
 def analyse(path: str | os.PathLike[str], given: DemoSet | None = None) -> Analysis:
     """Look at the task file `path`: everything that can be said of it without training.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from tiloilc.diag import CompileError, Diagnostic, Severity
+from tiloilc.diag import CompileError, Diagnostic, Severity, Span
 from tiloilc.driver import (
     Analysis,
     Compiled,
@@ -97,7 +97,7 @@ def check(requests: Iterable[Request]) -> tuple[list[Experiment], list[Diagnosti
     """
     found: list[Diagnostic] = []
     analyses: dict[Path, tuple[Analysis, Compiled] | None] = {}
-    experiments: dict[tuple[str, range], Experiment] = {}
+    experiments: dict[str, Experiment] = {}
     for request in requests:
         for spec in request.specs:
             place = spec.resolve()
@@ -112,7 +112,7 @@ def check(requests: Iterable[Request]) -> tuple[list[Experiment], list[Diagnosti
                 if any(d.severity is Severity.ERROR for d in said):
                     continue
                 one = _experiment(spec, known[1], variant, request)
-                experiments.setdefault((digest(one.plan), one.seeds), one)
+                experiments.setdefault(digest(one.plan), one)
     found = list(dict.fromkeys(found))
     if any(d.severity is Severity.ERROR for d in found):
         raise CompileError(*found)
@@ -170,7 +170,11 @@ def _findings(analysis: Analysis, variant: Variant) -> Iterator[Diagnostic]:
     assert stages is not None
     if not variant.settings:
         return
-    settings, place = spec.train.override(variant.settings), variant.places.get
+    settings = spec.train.override(variant.settings)
+
+    def place(name: str) -> Span | None:
+        return variant.places[name] if name in variant.places else analysis.setting(name)
+
     yield from settings_findings(settings, spec.demonstrations, place)
     yield from backbone_findings(settings, asked, place)
     tabular = backbone(settings, asked) == "tabular"

@@ -16,8 +16,6 @@ from tiloilc.spec.settings import Settings, Steps
 OWN = ("seeds", "first_seed")
 """Settings that say which agents there are, not what they are: they hold for a whole sweep."""
 
-NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
-
 
 def _partial(name: str, about: str, kind: Callable[[FieldInfo], object]) -> type[Model]:
     """A model with the settings of training, none of them needed, each of another type."""
@@ -49,7 +47,7 @@ class Sweep(Model):
     specs: list[Annotated[str, Field(min_length=1)]] = Field(
         min_length=1, description="task files, or patterns like `specs/grid_*.yaml`"
     )
-    algorithms: list[Annotated[str, Field(pattern=NAME)]] | None = Field(
+    algorithms: list[Annotated[str, *Settings.model_fields["algorithm"].metadata]] | None = Field(
         default=None, min_length=1, description="each with every spec; else the spec's own"
     )
     steps: Steps | None = Field(default=None, description="instead of the specs' own")

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
 from glob import glob, has_magic
 from itertools import product
 from pathlib import Path
@@ -24,10 +25,14 @@ _TASKS = re.compile(r"^(?:environment|propositions|formula)[ \t]*:", re.MULTILIN
 
 @dataclass(frozen=True)
 class Variant:
-    """One set of settings, and where in a sweep file each of them is given."""
+    """One set of settings, and where in a sweep file each is given; None: on the command line."""
 
     settings: Mapping[str, object]
-    places: Mapping[str, Span]
+    places: Mapping[str, Span | None]
+
+    def then(self, other: Variant) -> Variant:
+        """This one with what the other gives, which takes the place of what this one says."""
+        return Variant({**self.settings, **other.settings}, {**self.places, **other.places})
 
 
 @dataclass(frozen=True)
@@ -57,22 +62,22 @@ class Options:
 def requests(paths: Sequence[Path], options: Options) -> list[Request]:
     """The request of each sweep file among `paths`, and one for all task files.
 
-    Raises CompileError with what is wrong with sweep files.
+    Raises CompileError with what is wrong with sweep files, and files that cannot be read.
     """
-    texts = {path: file_text(path) for path in dict.fromkeys(paths)}
-    found, errors = [], list[Diagnostic]()
-    for path, text in texts.items():
-        if not is_sweep(text):
-            continue
+    found, specs, errors = list[Request](), list[Path](), list[Diagnostic]()
+    for path in dict.fromkeys(paths):
         try:
-            found.append(of_file(path, text, options))
+            text = file_text(path)
+            if is_sweep(text):
+                found.append(of_file(path, text, options))
+            else:
+                specs.append(path)
         except CompileError as error:
             errors += error.diagnostics
     if errors:
         raise CompileError(*errors)
-    specs = tuple(path for path, text in texts.items() if not is_sweep(text))
     if specs:
-        found.append(of_specs(specs, options))
+        found.append(of_specs(tuple(specs), options))
     return found
 
 
@@ -85,7 +90,7 @@ def of_specs(specs: tuple[Path, ...], options: Options) -> Request:
     """The request of task files and options alone."""
     return Request(
         specs,
-        tuple(_variants([Variant({}, {})], options.algorithms, options)),
+        tuple(_variants([Variant({}, {})], dict.fromkeys(options.algorithms), options)),
         options.seeds,
         options.first_seed,
         options.seeds_per_job,
@@ -106,15 +111,13 @@ def of_file(path: Path, text: str, options: Options = Options()) -> Request:
     records = (path.parent / sweep.records).as_posix() if sweep.records else RECORDS
     sets = _sets(sweep, document)
     if sweep.steps is not None:
-        place = document.span("steps")
-        sets = [
-            Variant({"steps": sweep.steps, **s.settings}, {"steps": place, **s.places})
-            for s in sets
-        ]
-    algorithms = options.algorithms or tuple(sweep.algorithms or ())
+        steps = Variant({"steps": sweep.steps}, {"steps": document.span("steps")})
+        sets = [steps.then(one) for one in sets]
+    listed = enumerate(sweep.algorithms or ())
+    algorithms = {name: document.span("algorithms", i) for i, name in listed}
     return Request(
         specs,
-        tuple(_variants(sets, algorithms, options, document)),
+        tuple(_variants(sets, dict.fromkeys(options.algorithms) or algorithms, options)),
         _either(options.seeds, sweep.seeds),
         _either(options.first_seed, sweep.first_seed),
         _either(options.seeds_per_job, sweep.seeds_per_job),
@@ -127,35 +130,15 @@ def _either(first: int | None, second: int | None) -> int | None:
 
 
 def _variants(
-    sets: Sequence[Variant],
-    algorithms: Sequence[str],
-    options: Options,
-    document: Document | None = None,
+    sets: Sequence[Variant], algorithms: Mapping[str, Span | None], options: Options
 ) -> Iterator[Variant]:
     """Each set with each algorithm; one that names its own is run with that alone."""
-    spans = _listed(document, "algorithms") if document and not options.algorithms else {}
+    last = Variant(options.settings, dict.fromkeys(options.settings))
+    first = [Variant({"algorithm": name}, {"algorithm": at}) for name, at in algorithms.items()]
     for one in sets:
-        own = {"algorithm"} & {*one.settings, *options.settings}
-        for algorithm in () if own else algorithms:
-            settings = {"algorithm": algorithm, **one.settings, **options.settings}
-            places = {**one.places, **({"algorithm": spans[algorithm]} if spans else {})}
-            yield Variant(settings, _without(places, options))
-        if own or not algorithms:
-            yield Variant({**one.settings, **options.settings}, _without(one.places, options))
-
-
-def _without(places: Mapping[str, Span], options: Options) -> Mapping[str, Span]:
-    """What the command line gives stands in no file."""
-    return {name: span for name, span in places.items() if name not in options.settings}
-
-
-def _listed(document: Document, key: str) -> dict[str, Span]:
-    spans: dict[str, Span] = {}
-    number = 0
-    while document.has(key, number):
-        spans.setdefault(document.value_text(key, number).value, document.span(key, number))
-        number += 1
-    return spans
+        own = "algorithm" in {*one.settings, *options.settings}
+        for named in first if first and not own else [Variant({}, {})]:
+            yield named.then(one).then(last)
 
 
 def _sets(sweep: Sweep, document: Document) -> list[Variant]:
@@ -164,21 +147,15 @@ def _sets(sweep: Sweep, document: Document) -> list[Variant]:
         Variant(given(one), {name: document.span("overrides", i, name) for name in given(one)})
         for i, one in enumerate(sweep.overrides)
     ]
-    axes = _axes(sweep.grid)
-    combined = []
-    for one in sets or [Variant({}, {})]:
-        for picks in product(*(range(len(values)) for values in axes.values())):
-            chosen = dict(zip(axes, picks, strict=True))
-            combined.append(
-                Variant(
-                    {**one.settings, **{name: axes[name][i] for name, i in chosen.items()}},
-                    {
-                        **one.places,
-                        **{name: document.span("grid", name, i) for name, i in chosen.items()},
-                    },
-                )
-            )
-    return combined
+    axes = [
+        [Variant({name: v}, {name: document.span("grid", name, i)}) for i, v in enumerate(values)]
+        for name, values in _axes(sweep.grid).items()
+    ]
+    return [
+        reduce(Variant.then, picks, one)
+        for one in sets or [Variant({}, {})]
+        for picks in product(*axes)
+    ]
 
 
 def _axes(grid: Model | None) -> dict[str, list[object]]:
@@ -207,10 +184,11 @@ def _specs(sweep: Sweep, document: Document) -> tuple[tuple[Path, ...], list[Dia
     """The task files that the patterns stand for, in the written order, each once."""
     specs, findings = dict[Path, None](), list[Diagnostic]()
     for i, pattern in enumerate(sweep.specs):
-        whole = os.path.normpath(document.path.parent / pattern)
-        matched = sorted(glob(whole, recursive=True)) if has_magic(pattern) else [whole]
-        files = [Path(name) for name in matched if Path(name).is_file()]
-        specs |= dict.fromkeys(files)
+        home = document.path.parent
+        matched = glob(pattern, root_dir=home, recursive=True) if has_magic(pattern) else [pattern]
+        paths = [Path(os.path.normpath(home / name)) for name in matched]
+        files = [path for path in paths if path.is_file()]
+        specs |= dict.fromkeys(sorted(files))
         if not files:
             findings.append(
                 Diagnostic.of(
