@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import re
+from functools import cache
 
 import pytest
 
@@ -80,11 +81,17 @@ def whole(generator: random.Random) -> str:
     if kind == 0:
         return random_automaton(generator)[1]
     if kind == 1:
-        parsed = parse(generator.choice(sorted(PAPER.values())).text)
-        return to_hoa(translate(parsed.formula, parsed.propositions))
+        return written(generator.choice(sorted(PAPER.values())).text)
     names = ("a", "b", "c")
     formula = random_formula(generator, names, 8)
     return to_hoa(translate(formula, names, acceptance="edge"), complete=False)
+
+
+@cache
+def written(text: str) -> str:
+    """The automaton of a formula of the paper, of which there are few."""
+    parsed = parse(text)
+    return to_hoa(translate(parsed.formula, parsed.propositions))
 
 
 def damaged(generator: random.Random, text: str) -> str:
