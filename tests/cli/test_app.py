@@ -112,18 +112,22 @@ def test_findings_that_stop_a_verb_go_to_standard_error(
     assert err.startswith("error[PLAN402]")
 
 
-def test_the_help_is_fast_and_lint_imports_no_torch(root: Path) -> None:
+def test_the_help_is_fast(root: Path) -> None:
     seconds = []
     for _ in range(3):
         begun = time.perf_counter()
         assert python("-m", "tiloilc", "--help", cwd=root).returncode == 0
         seconds.append(time.perf_counter() - begun)
-    lint = ("-X", "importtime", "-m", "tiloilc", "lint", "specs/flatworld_cycle.yaml")
-    imported = python(*lint, cwd=root)
+    assert min(seconds) < 1.0
+
+
+@pytest.mark.parametrize("arguments", [["lint"], ["sweep", "--dry-run"]], ids=" ".join)
+def test_what_does_not_train_imports_no_torch(root: Path, arguments: list[str]) -> None:
+    command = ("-X", "importtime", "-m", "tiloilc", *arguments, "specs/flatworld_cycle.yaml")
+    imported = python(*command, cwd=root)
     assert imported.returncode == 0
     assert "tiloilc.driver" in imported.stderr
     assert " torch" not in imported.stderr
-    assert min(seconds) < 1.0
 
 
 def test_output_that_nobody_reads_is_no_error(root: Path) -> None:

@@ -1,7 +1,6 @@
 """The protocol: which episodes judge, what is written, and that judging disturbs nothing."""
 
 import json
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,13 +21,9 @@ from tiloilc.evaluate.protocol import (
     Validator,
     dump,
     evaluate_run,
-    git_commit,
-    git_time,
-    machine,
     metrics_of,
     optimum_json,
     task_optimum_of,
-    versions,
 )
 from tiloilc.evaluate.rollout import Arena, Rollout
 from tiloilc.learn import make_loop, train
@@ -179,40 +174,6 @@ def test_a_policy_on_a_table_can_be_evaluated_too(tmp_path: Path) -> None:
 def test_no_optimum_is_claimed_where_the_environment_says_nothing() -> None:
     made, _, labels = point()
     assert optimum_json(task_optimum_of(made, labels)) is None
-
-
-def test_machine_and_versions_name_no_host() -> None:
-    import platform
-
-    assert platform.node() not in json.dumps([machine(), versions()]).replace('"', " ").split()
-    assert {"tiloilc", "torch", "numpy", "gymnasium"} <= set(versions())
-
-
-def test_what_a_task_brought_in_is_among_the_versions(monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
-    monkeypatch.delitem(sys.modules, "mujoco", raising=False)
-    assert "mujoco" not in versions()
-    monkeypatch.setitem(sys.modules, "mujoco", sys)
-    assert versions()["mujoco"].startswith("3.")
-
-
-def test_a_folder_outside_git_has_no_commit(tmp_path: Path) -> None:
-    assert git_commit(tmp_path) is None
-    assert git_commit(tmp_path / "missing") is None
-    assert git_time(tmp_path) is None
-
-
-def test_a_commit_has_its_time(tmp_path: Path) -> None:
-    import subprocess
-
-    at = {"GIT_COMMITTER_DATE": "@1700000000 +0000", "GIT_AUTHOR_DATE": "@1600000000 +0000"}
-    for arguments in (["init", "-q"], ["commit", "-q", "--allow-empty", "-m", "x"]):
-        me = ["-c", "user.name=x", "-c", "user.email=x@example.org"]
-        subprocess.run(
-            ["git", "-C", str(tmp_path), *me, *arguments], env={**os.environ, **at}, check=True
-        )
-    assert git_time(tmp_path) == 1_700_000_000
 
 
 def test_an_arena_can_be_used_again_and_again() -> None:

@@ -6,7 +6,6 @@ from collections.abc import Generator, Mapping, Sequence
 from pathlib import Path
 
 from tiloilc.evaluate import Record, split_seeds
-from tiloilc.evaluate.protocol import steps_taken
 from tiloilc.plan import digest
 from tiloilc.sweep import Event, Experiment, Options, Outcome, Request, Started, check, requests
 from tiloilc.sweep.work import Work
@@ -58,7 +57,7 @@ def records_of(
         "algorithm": plan.train.algorithm,
         "preset": plan.train.preset,
         "overrides": plan.train.overrides(),
-        "steps": steps_taken(plan.train),
+        "steps": plan.train.steps_taken,
         "seeds": list(seeds),
         "greedy": judged,
         "optimum": {"accepting_visits": 5.0, "exact": True},

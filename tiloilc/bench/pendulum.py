@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from tiloilc.bench.markdown import table
 from tiloilc.evaluate import Record, append, generator, read, summarise
-from tiloilc.evaluate.protocol import git_commit, machine, versions
+from tiloilc.evaluate.provenance import git_commit, machine, versions
 from tiloilc.spec.settings import Settings
 
 HEAD = """\

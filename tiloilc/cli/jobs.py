@@ -182,7 +182,8 @@ def train_job(job: Job, run: Path, resume: bool, quiet: bool) -> float:
 
     with _alone(run), _swept(run, resume):
         from tiloilc.cli.progress import Progress
-        from tiloilc.evaluate.protocol import Validator, versions
+        from tiloilc.evaluate.protocol import Validator
+        from tiloilc.evaluate.provenance import versions
         from tiloilc.learn import train
         from tiloilc.plan import digest
 
@@ -241,17 +242,17 @@ def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]
     import numpy as np
 
     from tiloilc.driver import write_file
-    from tiloilc.evaluate import protocol
+    from tiloilc.evaluate import protocol, provenance
     from tiloilc.evaluate.landscape import REWARDS, landscape
 
     source = Path(tiloilc.__file__).parent
     about = {
         "overrides": job.plan.train.overrides(),
         "wall_seconds": _spent(run),
-        "machine": protocol.machine(),
-        "versions": protocol.versions(),
-        "git_commit": protocol.git_commit(source),
-        "git_time": protocol.git_time(source),
+        "machine": provenance.machine(),
+        "versions": provenance.versions(),
+        "git_commit": provenance.git_commit(source),
+        "git_time": provenance.git_time(source),
     }
     evaluation, trajectories = protocol.evaluate_run(
         job.plan, job.demos, job.labels, run, episodes or job.plan.evaluate.episodes, about

@@ -211,7 +211,7 @@ def _cores() -> int:
 
 
 def _commit() -> str | None:
-    from tiloilc.evaluate.protocol import git_commit
+    from tiloilc.evaluate.provenance import git_commit
 
     return git_commit(Path(tiloilc.__file__).parent)
 

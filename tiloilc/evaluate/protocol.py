@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 import json
-import platform
-import subprocess
-import sys
 from collections.abc import Mapping, Sequence
-from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +17,6 @@ from tiloilc.evaluate.rollout import Arena, Rollout
 from tiloilc.evaluate.seeds import EVALUATION, VALIDATION
 from tiloilc.learn import EVENTS, Labels, Metrics, Policy, last_events, load_policy, make_loop
 from tiloilc.plan import Plan, digest
-from tiloilc.spec.settings import Settings
 
 GAMMA = 0.99
 """The discount of the paper's metric (Eq. 18), whatever an agent is trained with."""
@@ -100,7 +95,7 @@ def evaluate_run(
         "algorithm": settings.algorithm,
         "preset": settings.preset,
         "demonstrations": plan.demonstrations.model_dump(mode="json", exclude_none=True),
-        "steps": steps_taken(settings),
+        "steps": settings.steps_taken,
         "seeds": list(range(settings.first_seed, settings.first_seed + settings.seeds)),
         "episodes": episodes,
         "gamma": GAMMA,
@@ -110,12 +105,6 @@ def evaluate_run(
         "interrupted": False,
         **about,
     }, trajectories
-
-
-def steps_taken(settings: Settings) -> int:
-    """Environment steps that were taken: cloning ends where learning would begin."""
-    cloning = settings.algorithm == "cloning"
-    return settings.learning_starts if cloning else settings.steps
 
 
 def task_optimum_of(plan: Plan, labels: Labels) -> Optimum | None:
@@ -135,50 +124,6 @@ def optimum_json(optimum: Optimum | None) -> dict[str, object] | None:
         "exact": optimum.exact,
         "how": optimum.how,
     }
-
-
-def machine() -> dict[str, object]:
-    """What ran this, without names of hosts or people."""
-    import os
-
-    return {
-        "system": platform.system(),
-        "processor": platform.machine(),
-        "cores": os.cpu_count(),
-        "python": platform.python_version(),
-    }
-
-
-def versions() -> dict[str, str]:
-    """The versions of what decides results; MuJoCo's where a task has brought it in."""
-    names = ["tiloilc", "torch", "numpy", "gymnasium"]
-    names += [name for name in ("mujoco", "gymnasium-robotics") if _imported(name)]
-    return {name: metadata.version(name) for name in names}
-
-
-def _imported(distribution: str) -> bool:
-    return distribution.replace("-", "_") in sys.modules
-
-
-def git_commit(folder: Path) -> str | None:
-    """The commit checked out in `folder`, None if there is none; `-dirty` if files differ."""
-    return _git(folder, "describe", "--always", "--dirty", "--abbrev=40")
-
-
-def git_time(folder: Path) -> int | None:
-    """When that commit was made, in seconds since 1970; tells the later one of two records."""
-    said = _git(folder, "show", "--no-patch", "--format=%ct", "HEAD")
-    return int(said) if said is not None and said.isdecimal() else None
-
-
-def _git(folder: Path, *arguments: str) -> str | None:
-    """What git says of the checkout of `folder`; None if there is none, or no git."""
-    command = ["git", "-C", str(folder), *arguments]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout.strip() or None
 
 
 def dump(evaluation: Mapping[str, object]) -> bytes:

@@ -195,6 +195,11 @@ class Settings(Model):
         preset, algorithm = str(given.get("preset")), str(given.get("algorithm"))
         return {**preset_of(preset, algorithm), **given}
 
+    @property
+    def steps_taken(self) -> int:
+        """Environment steps that a run takes: cloning ends where learning would begin."""
+        return self.learning_starts if self.algorithm == "cloning" else self.steps
+
     def overrides(self) -> dict[str, object]:
         """The settings that differ from their preset's."""
         preset = preset_of(self.preset, self.algorithm)

@@ -21,7 +21,6 @@ from tiloilc.driver import (
     doubtful_findings,
     settings_findings,
 )
-from tiloilc.evaluate.protocol import steps_taken
 from tiloilc.plan import Plan, digest
 from tiloilc.spec.settings import Settings
 from tiloilc.sweep.request import Request, Variant
@@ -60,7 +59,7 @@ class Experiment:
     @property
     def steps(self) -> int:
         """Environment steps of a seed."""
-        return steps_taken(self.settings)
+        return self.settings.steps_taken
 
     @property
     def words(self) -> str:
@@ -140,7 +139,7 @@ def jobs_of(
                         number,
                         missing,
                         {**one.changes, **agents(missing)},
-                        max(steps_taken(plan.train), 1) * len(missing),
+                        max(plan.train.steps_taken, 1) * len(missing),
                     )
                 )
     return sorted(jobs, key=lambda job: -job.cost)
