@@ -38,8 +38,13 @@ def files() -> dict[str, TaskFile]:
 
 
 @pytest.fixture(scope="module")
-def recorded() -> dict[str, str]:
-    return all_files(open_book(ROOT / "results", ROOT / "specs"))
+def book_of_records() -> Book:
+    return open_book(ROOT / "results", ROOT / "specs")
+
+
+@pytest.fixture(scope="module")
+def recorded(book_of_records: Book) -> dict[str, str]:
+    return all_files(book_of_records)
 
 
 def lcer(visits: list[float], **changes: object) -> list[Record]:
@@ -61,9 +66,9 @@ def test_the_pages_are_those_of_the_records(recorded: dict[str, str]) -> None:
         assert found[name] == text, f"{name} is of other records: run `make results`"
 
 
-def test_the_readme_shows_what_the_records_say() -> None:
+def test_the_readme_shows_what_the_records_say(book_of_records: Book) -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert text == readme.fill(text, open_book(ROOT / "results", ROOT / "specs"))
+    assert text == readme.fill(text, book_of_records)
 
 
 def test_every_link_leads_somewhere(recorded: dict[str, str]) -> None:

@@ -26,6 +26,9 @@ __all__ = ["ENOUGH", "gap", "height", "line", "mean_of_tasks", "most_return", "r
 ENOUGH = 0.9
 """The share of a goal whose first reaching is told (measuring: sample efficiency)."""
 
+GAMMA = 0.99
+"""What the eventual returns of records are discounted by."""
+
 
 def gap(one: Row | None, other: Row | None) -> str:
     """How many visits more the other row has, with its 95 % interval; a dash without both."""
@@ -66,12 +69,12 @@ def height(row: Row) -> Floats:
     return area_under_curve(steps, values) if steps else np.zeros(0)
 
 
-def line(row: Row, label: str, ink: Ink, metric: str = "eventual_return") -> Line | None:
-    """Its learning curve; None if it was judged fewer than two times."""
-    steps, values = row.curve(metric)
+def line(row: Row, label: str, ink: Ink) -> Line | None:
+    """Its curve of eventual returns; None if it was judged fewer than two times."""
+    steps, values = row.curve("eventual_return")
     return Line(label, ink, steps, band(values, generator())) if len(steps) > 1 else None
 
 
-def most_return(visits: float, gamma: float = 0.99) -> float:
+def most_return(visits: float) -> float:
     """The eventual return of so many visits (Eq. 17 and 18); the mean of counts bounds the mean."""
-    return float((1 - gamma**visits) / (1 - gamma))
+    return float((1 - GAMMA**visits) / (1 - GAMMA))

@@ -16,9 +16,9 @@ from tiloilc.report.results.markdown import (
     pictures,
     table,
 )  # fmt: skip
-from tiloilc.report.results.measures import gap, line, most_return
+from tiloilc.report.results.measures import gap, line
 from tiloilc.report.results.methods import Ink, method_name
-from tiloilc.report.results.pages.learning import BEST, command
+from tiloilc.report.results.pages.learning import command, level
 from tiloilc.report.results.rows import Changes, Row
 from tiloilc.report.results.tasks import title
 from tiloilc.spec.settings import PRESETS
@@ -101,16 +101,9 @@ def table_1(book: Book) -> str:
         "β weighs the discriminators' part of the reward (Eq. 8). The paper's own numbers stand\n"
         "below ours, those of its baselines in the [overview](README.md).\n\n"
     )
-    rows = []
-    absent = []
-    for task in dict.fromkeys((*TABLE_1, *book.tasks)):
-        families = book.families(task, "beta", apart=("segment", "stages", "discriminator"))
-        varied = any(len(family.members) > 1 for family in families)
-        if varied or task in TABLE_1:
-            rows += [_betas(book, family) for family in families]
-        if not varied and task in TABLE_1:
-            absent.append(task)
+    families, absent = _families(book, TABLE_1, "beta", ("segment", "stages", "discriminator"))
     heads = ["task", "settings", *(f"β = {name}" for name in BETAS), "optimum"]
+    rows = [_betas(book, family) for family in families]
     return text + ABOUT + table(heads, rows) + _not_run(absent, "beta=0.49")
 
 
@@ -121,17 +114,27 @@ def table_2(book: Book) -> str:
         "*Shared* (`discriminator=shared`) is one discriminator that is told the automaton's\n"
         f"state; the paper's numbers, over 5 seeds, stand below ours.\n\n{ABOUT}"
     )
-    rows = []
-    absent = []
-    for task in dict.fromkeys((*TABLE_2, *book.tasks)):
-        families = book.families(task, "discriminator", apart=("segment", "stages"))
-        varied = any(len(family.members) > 1 for family in families)
-        if varied or task in TABLE_2:
-            rows += [_shared(book, family) for family in families]
-        if not varied and task in TABLE_2:
-            absent.append(task)
+    families, absent = _families(book, TABLE_2, "discriminator", ("segment", "stages"))
     heads = ["task", "settings", "one for each stage", "shared", "difference [95 %]", "optimum"]
+    rows = [_shared(book, family) for family in families]
     return text + table(heads, rows) + _not_run(absent, "discriminator=shared")
+
+
+def _families(
+    book: Book, asked: Sequence[str], setting: str, apart: Sequence[str]
+) -> tuple[list[Family], list[str]]:
+    """The families in which a setting varies, and those of the tasks `asked` in any case; which
+    of these tasks it does not vary on.
+    """
+    shown, absent = [], []
+    for task in dict.fromkeys((*asked, *book.tasks)):
+        families = book.families(task, setting, apart=apart)
+        varied = any(len(family.members) > 1 for family in families)
+        if varied or task in asked:
+            shown += families
+        if not varied and task in asked:
+            absent.append(task)
+    return shown, absent
 
 
 def _parted(book: Book, task: str) -> list[Family]:
@@ -168,12 +171,10 @@ def _panels(book: Book) -> dict[str, Panel]:
                 if (row := family.members.get(changes)) is not None
                 and (found := line(row, label, ink)) is not None
             ]
-            best = book.optimum(task)
-            level = None if best is None else (BEST, most_return(best[0]))
             if len(lines) > 1:
                 name = task if place == 0 else f"{task}-{place + 1}"
                 said = "eventual return" + ("" if place == 0 else f", {family.named(*PARTS)}")
-                drawn[f"ablations/{name}.svg"] = Panel(title(task), said, lines, level)
+                drawn[f"ablations/{name}.svg"] = Panel(title(task), said, lines, level(book, task))
     return drawn
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -69,15 +69,16 @@ def files(book: Book) -> dict[str, str]:
 
 def _page(book: Book, drawn: Sequence[str]) -> str:
     text = f"# Comparison\n\n{MADE}\n" + LIKELY
-    overall = [_overall(book, other) for other in BASELINES]
+    beside = {other: _both(book, other) for other in BASELINES}
+    overall = [_overall(book, other, both) for other, both in beside.items()]
     heads = ["TiLoIL beside", "tasks", "P(TiLoIL is better) [95 %]", "TiLoIL: mean", "it: mean"]
     heads += ["TiLoIL: IQM", "it: IQM"]
     text += table(heads, overall) + "\n"
-    present = [other for other in BASELINES if _both(book, other)]
+    present = {other: both for other, both in beside.items() if both}
     if present:
         heads = ["task", *(method_name(other) for other in present)]
         text += "Task by task:\n\n"
-        text += table(heads, [r for task in book.tasks if (r := _likely(book, task, present))])
+        text += table(heads, [r for task in book.tasks if (r := _likely(task, present.values()))])
         text += "\n"
     absent = [method_name(other) for other in BASELINES if other not in present]
     if absent:
@@ -93,14 +94,16 @@ def _page(book: Book, drawn: Sequence[str]) -> str:
     return text + table(heads, rows)
 
 
-def _both(book: Book, other: str) -> dict[str, tuple[Row, Row]]:
-    """The tasks that TiLoIL and another method were run on, with their rows."""
+Both = Mapping[str, tuple[Row, Row]]
+"""The tasks that TiLoIL and another method were run on, with their rows."""
+
+
+def _both(book: Book, other: str) -> Both:
     found = {task: (book.usual(task, "tiloil"), book.usual(task, other)) for task in book.tasks}
     return {task: (x, y) for task, (x, y) in found.items() if x is not None and y is not None}
 
 
-def _overall(book: Book, other: str) -> list[str]:
-    both = _both(book, other)
+def _overall(book: Book, other: str, both: Both) -> list[str]:
     if not both:
         return [method_name(other), "0", "not run", *["–"] * 4]
     pairs = [(x.values("greedy"), y.values("greedy")) for x, y in both.values()]
@@ -129,11 +132,11 @@ def _iqm(strata: list[Floats]) -> str:
     return f"{middle:.2f} {between(stratified_bootstrap(strata, interquartile_mean, generator()))}"
 
 
-def _likely(book: Book, task: str, others: list[str]) -> list[str]:
+def _likely(task: str, others: Iterable[Both]) -> list[str]:
     """One task's probabilities; nothing if no method was run beside TiLoIL."""
     cells = []
-    for other in others:
-        pair = _both(book, other).get(task)
+    for both in others:
+        pair = both.get(task)
         if pair is None:
             cells.append("–")
             continue

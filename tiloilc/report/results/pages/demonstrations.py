@@ -9,9 +9,9 @@ from tiloilc.report.results import paper
 from tiloilc.report.results.book import Book
 from tiloilc.report.results.drawing import Line, Panel, picture
 from tiloilc.report.results.markdown import MADE, cell, listed, optimum, pictures, table
-from tiloilc.report.results.measures import gap, line, most_return
+from tiloilc.report.results.measures import gap, line
 from tiloilc.report.results.methods import Ink, method_name
-from tiloilc.report.results.pages.learning import BEST
+from tiloilc.report.results.pages.learning import level
 from tiloilc.report.results.rows import FRESH, Row
 from tiloilc.report.results.tasks import title
 
@@ -76,9 +76,8 @@ def _panels(book: Book, methods: Sequence[str], folder: str) -> dict[str, Panel]
                 lines += [] if found is None else [found]
                 more = more or (found is not None and size != "5")
         if more:
-            best = book.optimum(task)
-            level = None if best is None else (BEST, most_return(best[0]))
-            drawn[f"{folder}/{task}.svg"] = Panel(title(task), "eventual return", lines, level)
+            best = level(book, task)
+            drawn[f"{folder}/{task}.svg"] = Panel(title(task), "eventual return", lines, best)
     return drawn
 
 
@@ -130,14 +129,17 @@ def table_4(book: Book) -> str:
 
 def _sizes(book: Book, methods: Sequence[str]) -> str:
     rows = []
+    missing: dict[str, None] = {}
     for task in SIZES:
         for method in methods:
-            shown = [cell(row) for row in _by_size(book, task, method)]
+            found = _by_size(book, task, method)
+            shown = [cell(row) for row in found]
             shown[2] = f"{shown[2]} ({_all(task)})"
             rows.append([title(task), method_name(method), *shown, optimum(book.optimum(task))])
-    missing = [row[0] for row in rows if "not run" in " ".join(row)]
+            if None in found:
+                missing[title(task)] = None
     heads = ["task", "method", "5", "10", "all", "optimum"]
-    said = f"\nNot run, in whole or in part: {listed(list(dict.fromkeys(missing)))}.\n"
+    said = f"\nNot run, in whole or in part: {listed(list(missing))}.\n"
     return table(heads, rows) + (said if missing else "")
 
 

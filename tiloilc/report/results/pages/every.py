@@ -85,20 +85,19 @@ def _pairs(row: Row, book: Book) -> list[list[str]]:
     found = []
     for other in book.of_task(row.task, row.algorithm):
         same = (row.preset, row.demonstrations, row.steps)
-        more = dict(set(other.changes) - set(row.changes))
+        more = set(other.changes) - set(row.changes)
         if (other.preset, other.demonstrations, other.steps) != same or len(more) != 1:
             continue
-        if other.without(*more) != row.changes:
+        ((name, value),) = more
+        if other.without(name) != row.changes:
             continue
-        before, after = row.values("greedy"), other.values("greedy")
-        changed = " ".join(f"{name}={value}" for name, value in more.items())
         found.append(
             [
                 f"`{row.task}`",
                 _settings(row),
-                changed,
-                spread(before),
-                spread(after),
+                f"{name}={value}",
+                spread(row.values("greedy")),
+                spread(other.values("greedy")),
                 gap(row, other),
             ]
         )

@@ -67,14 +67,12 @@ def index(book: Book) -> str:
     letter = [task for task in book.tasks if any(_letter(book, task))]
     if letter:
         text += "\n## With the paper's table 5, to the letter (`preset=paper`)\n\n"
-        text += overview(book, letter, preset="paper")
+        text += overview(book, letter, "paper")
     return text + "\n## What was run\n\n" + _told(book)
 
 
-def overview(
-    book: Book, tasks: Sequence[str], *, preset: str = "default", page: str = "all.md"
-) -> str:
-    """A row a task, a column a method; `page` is where the rows' anchors are."""
+def overview(book: Book, tasks: Sequence[str], preset: str = "default") -> str:
+    """A row a task, a column a method."""
     shown = ["tiloil", *BASELINES]
     shown += [n for n in book.algorithms if n not in METHODS]
     before = ["task", "optimum", "paper's best", "cloning alone"]
@@ -88,13 +86,13 @@ def overview(
             title(task),
             optimum(book.optimum(task)),
             "–" if mine is None else whole(mine.text) + small(mine.source),
-            cloning(book, task, preset, page),
+            cloning(book, task, preset),
         ]
         for name in shown:
             printed = paper.of_algorithm(task, name)
             beside = "" if printed is None else f"paper {printed.text}"
             row = found.get(name)
-            cells.append(cell(row, beside, strong=row in top, page=page))
+            cells.append(cell(row, beside, strong=row in top))
         rows.append(cells)
     return table(heads, rows)
 
@@ -112,8 +110,8 @@ def best_of(rows: Sequence[Row]) -> list[Row]:
     ]
 
 
-def cloning(book: Book, task: str, preset: str, page: str) -> str:
-    """Runs of cloning alone, or else what TiLoIL began with."""
+def cloning(book: Book, task: str, preset: str = "default", page: str = "all.md") -> str:
+    """Runs of cloning alone, or else what TiLoIL began with; `page` has the rows' anchors."""
     row = book.usual(task, "cloning", preset)
     if row is not None:
         return cell(row, page=page)

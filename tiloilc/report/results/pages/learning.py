@@ -24,8 +24,6 @@ from tiloilc.report.results.tasks import FIGURE_3, GRIDS, ROBOTS, title
 OTHER = Ink("#444444", "#cccccc")
 """The curve of a method that the paper does not have."""
 
-BEST = "optimum, or the best known"
-
 READING = """\
 Curves are eventual returns (Eq. 17 and 18, γ = 0.99) of greedy policies on validation episodes: the
 mean over seeds, with its 95 % bootstrap interval where the paper shades the standard deviation. The
@@ -88,11 +86,13 @@ def panel(book: Book, task: str) -> Panel | None:
         lines += [] if drawn is None else [drawn]
     if not lines:
         return None
+    return Panel(title(task), "eventual return", lines, level(book, task))
+
+
+def level(book: Book, task: str) -> tuple[str, float] | None:
+    """What a task's curves are compared with, and its name; None where no optimum is known."""
     best = book.optimum(task)
-    level = None
-    if best is not None:
-        level = (BEST, most_return(best[0]))
-    return Panel(title(task), "eventual return", lines, level)
+    return None if best is None else ("optimum, or the best known", most_return(best[0]))
 
 
 def sections(book: Book, tasks: Sequence[str]) -> str:

@@ -55,7 +55,7 @@ def _row(book: Book, task: str) -> list[str]:
         title(task),
         cell(book.usual(task, "tiloil"), page=PAGE),
         NOT_RUN if rival is None else cell(rival, beside, page=PAGE),
-        cloning(book, task, "default", PAGE),
+        cloning(book, task, page=PAGE),
         "–" if mine is None else whole(mine.text) + small(mine.source),
         optimum(book.optimum(task)),
     ]
