@@ -5,7 +5,7 @@ from __future__ import annotations
 import types
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, Generic, TypeVar, Union, get_args, get_origin
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
@@ -43,20 +43,22 @@ _LIMITS = {
 }
 
 
+Read = TypeVar("Read", bound=Model, covariant=True)
+"""What a file is read as."""
+
+
 @dataclass(frozen=True, slots=True)
-class Form:
+class Form(Generic[Read]):
     """What a file must be like, and what such a file is called."""
 
-    model: type[Model]
+    model: type[Read]
     called: str
 
 
 TASK_FILE = Form(Spec, "a task file")
 
 
-def model_findings(
-    error: ValidationError, root: Node, form: Form = TASK_FILE
-) -> Iterator[Diagnostic]:
+def model_findings(error: ValidationError, root: Node, form: Form[Model]) -> Iterator[Diagnostic]:
     """One finding for each value or key that the model refuses."""
     wrong: dict[Location, list[ErrorDetails]] = {}
     errors = error.errors(include_url=False)
@@ -116,7 +118,7 @@ def key_place(root: Node, path: Location) -> Span:
     return Span(file, line, column, line, column + 1)
 
 
-def known_keys(path: Location, model: type[Model] = Spec) -> Mapping[str, FieldInfo]:
+def known_keys(path: Location, model: type[Model]) -> Mapping[str, FieldInfo]:
     """The keys that the model knows in the mapping at `path`."""
     kinds: list[object] = [model]
     for part in path:
@@ -168,7 +170,7 @@ def _dotted(path: Iterable[str | int]) -> str:
     return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path).removeprefix(".")
 
 
-def _missing(root: Node, path: Location, key: str, form: Form) -> Diagnostic:
+def _missing(root: Node, path: Location, key: str, form: Form[Model]) -> Diagnostic:
     field = known_keys(path, form.model).get(key)
     meaning = f" ({field.description})" if field is not None and field.description else ""
     return Diagnostic.of(
@@ -180,7 +182,7 @@ def _missing(root: Node, path: Location, key: str, form: Form) -> Diagnostic:
     )
 
 
-def _unknown(root: Node, path: Location, form: Form) -> Diagnostic:
+def _unknown(root: Node, path: Location, form: Form[Model]) -> Diagnostic:
     parent, guess = path[:-1], _meant(path, form)
     known = list(known_keys(parent, form.model))
     listing = f"known: {', '.join(known)}" if len(known) <= MAX_LISTED else ""
@@ -193,7 +195,7 @@ def _unknown(root: Node, path: Location, form: Form) -> Diagnostic:
     )
 
 
-def _meant(path: Location, form: Form) -> str | None:
+def _meant(path: Location, form: Form[Model]) -> str | None:
     """The known key that an unknown one resembles."""
     return nearest(str(path[-1]), known_keys(path[:-1], form.model))
 

@@ -6,7 +6,6 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
-from typing import TypeVar
 
 from pydantic import ValidationError
 
@@ -26,7 +25,7 @@ from tiloilc.spec.nodes import (
     is_empty,
     scalar_value,
 )
-from tiloilc.spec.problems import TASK_FILE, Form, key_place, model_findings, place_of
+from tiloilc.spec.problems import TASK_FILE, Form, Read, key_place, model_findings, place_of
 
 MAX_PROPOSITIONS = 62
 """A letter is the bits of one signed 64-bit integer, and one bit is kept free."""
@@ -39,9 +38,6 @@ _ALTERNATIVES = (
     (("demonstrations",), ("source", "file", "minari")),
 )
 """In these mappings exactly one of these keys is needed."""
-
-Read = TypeVar("Read", bound=Model)
-"""What a file is read as."""
 
 _CONSTANTS = frozenset({"true", "false", "0", "1"})
 
@@ -117,13 +113,12 @@ def examine_spec(
 
 def examine_text(text: str, file: str) -> tuple[Document, Spec | None, tuple[Diagnostic, ...]]:
     """Like `examine_spec`, of a text that is already at hand; `file` names it."""
-    document, findings = read_document(text, file)
-    return examine_document(document, Spec, TASK_FILE, [*findings, *_own_findings(document.root)])
+    document, findings = read_document(text, file, TASK_FILE)
+    own = _own_findings(document.root)
+    return document, *examine_document(document, TASK_FILE, [*findings, *own])
 
 
-def read_document(
-    text: str, file: str, form: Form = TASK_FILE
-) -> tuple[Document, list[Diagnostic]]:
+def read_document(text: str, file: str, form: Form[Model]) -> tuple[Document, list[Diagnostic]]:
     """The tree of a file that has the form of a mapping, and what is wrong with its YAML.
 
     Raises CompileError SPEC100, SPEC104, SPEC106 or SPEC109.
@@ -139,20 +134,20 @@ def read_document(
 
 
 def examine_document(
-    document: Document, model: type[Read], form: Form, found: Sequence[Diagnostic]
-) -> tuple[Document, Read | None, tuple[Diagnostic, ...]]:
+    document: Document, form: Form[Read], found: Sequence[Diagnostic]
+) -> tuple[Read | None, tuple[Diagnostic, ...]]:
     """The document as its model, and all findings; what was `found` is not said in other words."""
     read: Read | None = None
     findings = list(found)
     try:
-        read = model.model_validate(_plain(document.root, ()))
+        read = form.model.model_validate(_plain(document.root, ()))
     except ValidationError as error:
         said = {(f.span.line, f.span.column) for f in findings if f.span}
         for finding in model_findings(error, document.root, form):
             place = finding.span
             if finding.code != "SPEC103" or place is None or (place.line, place.column) not in said:
                 findings.append(finding)
-    return document, read, tuple(sorted(dict.fromkeys(findings), key=Diagnostic.sort_key))
+    return read, tuple(sorted(dict.fromkeys(findings), key=Diagnostic.sort_key))
 
 
 def file_text(path: str | os.PathLike[str]) -> str:

@@ -101,7 +101,7 @@ def of_specs(specs: tuple[Path, ...], options: Options) -> Request:
 def of_file(path: Path, text: str, options: Options = Options()) -> Request:
     """The request of a sweep file. Raises CompileError with all that is wrong with it."""
     document, found = read_document(text, path.as_posix(), SWEEP_FILE)
-    _, sweep, findings = examine_document(document, Sweep, SWEEP_FILE, found)
+    sweep, findings = examine_document(document, SWEEP_FILE, found)
     if sweep is not None:
         findings = (*findings, *_clashes(sweep, document))
         specs, missing = _specs(sweep, document)
