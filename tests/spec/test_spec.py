@@ -12,7 +12,8 @@ from ruamel.yaml import YAML
 
 from tiloilc.diag import CompileError, Diagnostic, render
 from tiloilc.spec import PythonPredicate, Spec, examine_text, json_schema, read_spec
-from tiloilc.spec.settings import PAPER, Settings
+from tiloilc.spec.presets import PAPER
+from tiloilc.spec.settings import Settings
 
 GOOD = """\
 name: demo

@@ -12,7 +12,8 @@ from pydantic.fields import FieldInfo
 
 from tiloilc.spec.base import Model
 from tiloilc.spec.model import Spec
-from tiloilc.spec.settings import DEFAULT, PAPER, Settings
+from tiloilc.spec.presets import DEFAULT, PAPER
+from tiloilc.spec.settings import Settings
 
 INTRODUCTION = """\
 # Settings

@@ -10,7 +10,7 @@ from pathlib import Path
 from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate import Record, append, read
 from tiloilc.plan import digest
-from tiloilc.spec.settings import PRESETS
+from tiloilc.spec.presets import PRESETS
 from tiloilc.sweep.experiments import Experiment, record_file
 from tiloilc.sweep.model import OWN
 

@@ -29,7 +29,8 @@ from tiloilc.learn.engine.cells import Cells
 from tiloilc.learn.engine.replay import Batch
 from tiloilc.plan import Plan, stage_plan
 from tiloilc.product import walk_tables
-from tiloilc.spec.settings import ALGORITHMS, OF_ALGORITHM
+from tiloilc.spec.presets import OF_ALGORITHM
+from tiloilc.spec.settings import ALGORITHMS
 
 WALK = walk_tables(RING)
 WAITS, HALF, ACCEPTS, SINK = range(4)

@@ -19,7 +19,7 @@ from tiloilc.learn import CHECKPOINTS, EVENTS, Outcome, Watched, load_policy, ma
 from tiloilc.learn.engine.state import State
 from tiloilc.learn.run.train import passed
 from tiloilc.plan import Plan
-from tiloilc.spec.settings import OF_ALGORITHM
+from tiloilc.spec.presets import OF_ALGORITHM
 
 Task = tuple[Plan, DemoSet, Callable[[Any], Any]]
 

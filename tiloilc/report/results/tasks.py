@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tiloilc.report.results.methods import METHODS
 from tiloilc.spec import Settings, read_spec
-from tiloilc.spec.settings import PRESETS
+from tiloilc.spec.presets import PRESETS
 
 __all__ = ["FIGURE_3", "GRIDS", "ROBOTS", "TITLES", "TaskFile", "read_tasks", "title"]
 

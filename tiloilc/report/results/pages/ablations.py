@@ -21,7 +21,7 @@ from tiloilc.report.results.methods import Ink, method_name
 from tiloilc.report.results.pages.learning import command, level
 from tiloilc.report.results.rows import Changes, Row
 from tiloilc.report.results.tasks import title
-from tiloilc.spec.settings import PRESETS
+from tiloilc.spec.presets import PRESETS
 
 FIGURE_4 = (
     "carlo", "cheetah_flip", "doggo_avoid", "doggo_navigate", "fetch_avoid", "fetch_align",
