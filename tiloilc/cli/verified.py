@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from tiloilc.evaluate.verify import Verification
     from tiloilc.evaluate.verify.exact import Exact
     from tiloilc.evaluate.verify.results import Sampled, Simulated
@@ -42,11 +44,8 @@ def lines(found: Verification) -> Iterator[str]:
             yield f"how seed {failed.seed} fails: {failed.reason}"
 
 
-def number(value: object) -> str:
-    """A fraction: decimals, and itself where it is short."""
-    from fractions import Fraction
-
-    assert isinstance(value, Fraction)
+def number(value: Fraction) -> str:
+    """Decimals, and the fraction itself where it is short."""
     if value.denominator == 1:
         return str(value)
     decimals = f"{float(value):.6f}"
@@ -68,11 +67,10 @@ def _exact(found: Verification) -> Iterator[str]:
 
 
 def _simulated(found: Verification, about: Simulated) -> Iterator[str]:
-    visits = f"{about.visits} accepting visit{'' if about.visits == 1 else 's'} or more"
-    yield f"policy `{found.policy}`: no violation and {visits} within {about.horizon} steps"
+    yield f"policy `{found.policy}`: {_fine(about)}"
     yield f"by simulation: {found.why}"
-    percent = f"{about.confidence * 100:.6g} %"
-    yield f"{'seed':>6}{'fine':>12}{'violations':>18}{'probability':>13}  {percent} bounds"
+    heads = f"{'seed':>6}{'fine':>12}{'violations':>18}{'probability':>13}"
+    yield f"{heads}  {_percent(about)} bounds"
     for judged in found.judged:
         sampled: Sampled = judged.found  # type: ignore[assignment]  # all were simulated
         yield f"{judged.seed:>6}{_row(sampled)}"
@@ -86,21 +84,31 @@ def _simulated(found: Verification, about: Simulated) -> Iterator[str]:
 
 
 def _by_expert(found: Verification, about: Simulated) -> Iterator[str]:
-    visits = f"{about.visits} accepting visit{'' if about.visits == 1 else 's'} or more"
-    yield f"expert `{found.expert}`: no violation and {visits} within {about.horizon} steps"
-    sampled, percent = about.pooled, f"{about.confidence * 100:.6g} %"
-    bounds = f"{sampled.bounds.low:.4f} – {sampled.bounds.high:.4f}"
+    yield f"expert `{found.expert}`: {_fine(about)}"
+    sampled = about.pooled
     fine = f"{sampled.fine} of {sampled.episodes} episodes"
-    yield f"  in {fine}: {sampled.rate:.4f}, {percent} bounds {bounds}"
+    yield f"  in {fine}: {sampled.rate:.4f}, {_percent(about)} bounds {_bounds(sampled)}"
     if about.all_alike:
         yield "  all of them passed the same automaton states at the same steps"
 
 
 def _row(sampled: Sampled) -> str:
     fine = f"{sampled.fine}/{sampled.episodes}"
-    bounds = f"{sampled.bounds.low:.4f} – {sampled.bounds.high:.4f}"
     violated = f"{sampled.violated} (≤ {sampled.lost.high:.4f})"
-    return f"{fine:>12}{violated:>18}{sampled.rate:>13.4f}  {bounds}"
+    return f"{fine:>12}{violated:>18}{sampled.rate:>13.4f}  {_bounds(sampled)}"
+
+
+def _bounds(sampled: Sampled) -> str:
+    return f"{sampled.bounds.low:.4f} – {sampled.bounds.high:.4f}"
+
+
+def _fine(about: Simulated) -> str:
+    visits = f"{about.visits} accepting visit{'' if about.visits == 1 else 's'} or more"
+    return f"no violation and {visits} within {about.horizon} steps"
+
+
+def _percent(about: Simulated) -> str:
+    return f"{about.confidence * 100:.6g} %"
 
 
 def _count(episodes: int | None) -> str:
