@@ -15,25 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tiloilc.diag import CompileError, Diagnostic
-from tiloilc.ltl import subformulas
-from tiloilc.ltl.ast import (
-    Always,
-    And,
-    Constant,
-    Eventually,
-    Formula,
-    Iff,
-    Implies,
-    Next,
-    Not,
-    Or,
-    Proposition,
-    Release,
-    StrongRelease,
-    Until,
-    WeakUntil,
-    Xor,
-)
+from tiloilc.ltl import ast, subformulas
+from tiloilc.ltl.ast import Formula
 
 if TYPE_CHECKING:
     from stormpy.models import SparseDtmc, SparseMdp, StateLabeling
@@ -193,36 +176,36 @@ def storm_text(formula: Formula, names: tuple[str, ...]) -> str:
 
 def _part(part: Formula, operands: list[str], names: tuple[str, ...]) -> str:
     match part:
-        case Constant(value):
+        case ast.Constant(value):
             return f'"{EVERYWHERE}"' if value else f'!"{EVERYWHERE}"'
-        case Proposition(name):
+        case ast.Proposition(name):
             return f'"p{names.index(name)}"'
-        case And():
+        case ast.And():
             return " & ".join(operands)
-        case Or():
+        case ast.Or():
             return " | ".join(operands)
-        case Not():
+        case ast.Not():
             return f"!{operands[0]}"
-        case Next():
+        case ast.Next():
             return f"X {operands[0]}"
-        case Eventually():
+        case ast.Eventually():
             return f"F {operands[0]}"
-        case Always():
+        case ast.Always():
             return f"G {operands[0]}"
     left, right = operands
     match part:
-        case Until():
+        case ast.Until():
             return f"{left} U {right}"
-        case WeakUntil():
+        case ast.WeakUntil():
             return f"({left} U {right}) | (G {left})"
-        case Release():
+        case ast.Release():
             return f"!((!{left}) U (!{right}))"
-        case StrongRelease():
+        case ast.StrongRelease():
             return f"{right} U ({left} & {right})"
-        case Implies():
+        case ast.Implies():
             return f"(!{left}) | {right}"
-        case Iff():
+        case ast.Iff():
             return f"({left} & {right}) | ((!{left}) & (!{right}))"
-        case Xor():
+        case ast.Xor():
             return f"({left} & (!{right})) | ((!{left}) & {right})"
     raise AssertionError(f"not an operator: {part!r}")
