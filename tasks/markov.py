@@ -19,7 +19,7 @@ Outcome: TypeAlias = tuple[float, int, float, bool]
 class MarkovModel:
     """n states, k actions in each, and at most m outcomes of an action.
 
-    observations  [n, d]  what the environment shows in each state
+    observations  [n, …]  what the environment shows in each state
     successor     int64 [n, k, m]  the states that an action may lead to
     probability   float64 [n, k, m]  how likely each is; they sum to 1, and 0 fills up
     initial       float64 [n]  how likely an episode begins in a state; they sum to 1
@@ -35,6 +35,11 @@ class MarkovModel:
     actions: npt.NDArray[np.generic]
     exact: bool
     how: str
+
+    @property
+    def seen(self) -> npt.NDArray[np.float32]:
+        """What predicates and policies get to see of each state: flat, float32 [n, d]."""
+        return np.asarray(self.observations, np.float32).reshape(len(self.observations), -1)
 
 
 def markov_model(env: object) -> MarkovModel | None:

@@ -63,9 +63,7 @@ def evaluate_run(
 
     Raises CompileError RUN706 if the run is not finished, RUN701 if a policy cannot be read.
     """
-    if load_policy(run, "last") is None:
-        help = f"tiloilc train {run.as_posix()} --resume"
-        raise CompileError(Diagnostic.of("RUN706", help=help, path=run.as_posix()))
+    require_finished(run)
     arena = Arena(plan, labels, episodes)
     agent = make_loop(plan, demos, labels).agent
     seeds = range(EVALUATION, EVALUATION + episodes)
@@ -105,6 +103,13 @@ def evaluate_run(
         "interrupted": False,
         **about,
     }, trajectories
+
+
+def require_finished(run: Path) -> None:
+    """Raises CompileError RUN706 if the run has no last policy, RUN701 if it cannot be read."""
+    if load_policy(run, "last") is None:
+        help = f"tiloilc train {run.as_posix()} --resume"
+        raise CompileError(Diagnostic.of("RUN706", help=help, path=run.as_posix()))
 
 
 def task_optimum_of(plan: Plan, labels: Labels) -> Optimum | None:

@@ -122,8 +122,7 @@ def failing(
     walk = walk_tables(ldba)
     found = decisions(policy, world, np.array(letters), walk, 1)
     chain = induced_chain(world, np.array(letters), walk, found.columns[0], found.arrivals[0])
-    read = parse(formula, ldba.propositions).formula if formula else None
-    return failure(chain, world, task, read)
+    return failure(chain, world, task)
 
 
 SIDES = [2, 0, 0, 0, 1]

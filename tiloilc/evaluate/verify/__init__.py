@@ -1,10 +1,9 @@
 """How likely a policy satisfies its formula: exactly on finite tasks, with bounds elsewhere."""
 
 from tiloilc.evaluate.verify.results import VERIFY, Counterexample, Verification
-from tiloilc.evaluate.verify.task import METHODS, Wanted, verify_run, verify_task
+from tiloilc.evaluate.verify.task import Wanted, verify_run, verify_task
 
 __all__ = [
-    "METHODS",
     "VERIFY",
     "Counterexample",
     "Verification",

@@ -91,7 +91,7 @@ def decisions(
     n, states = len(letters), walk.states
     order = np.argsort(model.actions)
     known = np.asarray(model.actions)[order]
-    observations = np.asarray(model.observations, np.float32).reshape(n, -1)
+    observations = model.seen
     columns = np.zeros((seeds, n * states), np.int64)
     arrivals = np.zeros((seeds, n * states), np.int64)
     for start in range(0, n * states, AT_ONCE):

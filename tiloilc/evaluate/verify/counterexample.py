@@ -12,6 +12,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, dijkstra
 
 from tiloilc.evaluate.verify.chain import Chain
+from tiloilc.evaluate.verify.exact import formula_of
 from tiloilc.evaluate.verify.told import Path
 from tiloilc.ltl import Lasso, holds
 from tiloilc.ltl.ast import Formula
@@ -43,9 +44,7 @@ class Failure:
     nodes: int
 
 
-def failure(
-    chain: Chain, model: MarkovModel, plan: Plan, formula: Formula | None
-) -> Failure | None:
+def failure(chain: Chain, model: MarkovModel, plan: Plan) -> Failure | None:
     """The likeliest way to fail; None if all bottom components accept.
 
     Where jumps may have been chosen badly, the formula is asked whether the path satisfies it.
@@ -54,7 +53,7 @@ def failure(
     accepts = np.zeros(len(bottom), np.bool_)
     accepts[component[chain.accepting]] = True
     ends = (bottom & ~accepts)[component]
-    asked = formula if plan.ldba.jumps else None
+    asked = formula_of(plan) if plan.ldba.jumps else None
     for way, probability in _ways(chain, ends, component, plan.ldba.sink):
         found = _failure(chain, model, component, ends, way, probability)
         if asked is None or not _satisfied(found.path, plan, asked):
@@ -101,8 +100,7 @@ def _failure(
     inside = np.flatnonzero(component == component[end])
     loop = _cycle(csr_array(chain.edges[inside][:, inside]), int(np.searchsorted(inside, end)))
     nodes = np.array([*way, *inside[loop[1:]].tolist()])
-    observations = np.asarray(model.observations, np.float32).reshape(len(model.observations), -1)
-    seen = observations[chain.states[nodes]]
+    seen = model.seen[chain.states[nodes]]
     path = Path(seen, chain.letters[nodes], chain.automaton[nodes], len(way) - 1)
     return Failure(path, probability, len(inside))
 
@@ -129,7 +127,7 @@ def _back(before: NDArray[np.integer], node: int, source: int) -> list[int]:
 def _cycle(edges: csr_array, start: int) -> list[int]:
     """A shortest cycle from `start` in a strongly connected graph, the return left out."""
     order, before = breadth_first_order(edges, start, return_predecessors=True)
-    back = set(edges.tocsc().indices[slice(*edges.tocsc().indptr[start : start + 2])].tolist())
+    back = set(edges[:, [start]].tocoo().row.tolist())
     last = next(int(node) for node in order.tolist() if node in back)
     cycle = [last]
     while cycle[-1] != start:

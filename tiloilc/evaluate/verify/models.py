@@ -77,7 +77,7 @@ def _has_all_actions(model: MarkovModel, space: gymnasium.Space[Any]) -> bool:
 def _compare(env: gymnasium.Env[Any, Any], model: MarkovModel, name: str) -> None:
     """Random episodes: each step must be one that the model thinks possible, and an end an end."""
     rng = np.random.default_rng(0)
-    shown = np.asarray(model.observations, np.float32).reshape(len(model.observations), -1)
+    shown = model.seen
     actions = np.asarray(model.actions)
     for episode in range(TRIED[0]):
         observation, over = _asked(name, partial(env.reset, seed=episode))[0], False

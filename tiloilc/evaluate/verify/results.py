@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from tiloilc.evaluate.seeds import EVALUATION
 from tiloilc.evaluate.statistics import Interval
 from tiloilc.evaluate.verify.exact import Exact, Maximum
 from tiloilc.evaluate.verify.told import Path
@@ -80,7 +81,6 @@ class Simulated:
     episodes: int
     horizon: int
     visits: int
-    first_episode_seed: int
     pooled: Sampled
     half_width: float
     needed: int | None
@@ -207,7 +207,7 @@ def _simulated_json(found: Simulated | None) -> dict[str, object] | None:
         "episodes": found.episodes,
         "horizon": found.horizon,
         "visits": found.visits,
-        "first_episode_seed": found.first_episode_seed,
+        "first_episode_seed": EVALUATION,
         "pooled": _sampled_json(found.pooled),
         "half_width": found.half_width,
         "episodes_needed": found.needed,

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from tiloilc.demos import DemoSet
 from tiloilc.diag import CompileError, Diagnostic
-from tiloilc.evaluate.seeds import EVALUATION
+from tiloilc.evaluate.protocol import require_finished
 from tiloilc.evaluate.verify import told
 from tiloilc.evaluate.verify.bounds import clopper_pearson, trials_needed
 from tiloilc.evaluate.verify.chain import decisions, induced_chain
 from tiloilc.evaluate.verify.counterexample import Failure, failure
-from tiloilc.evaluate.verify.exact import Maximum, exactly, formula_of, maximum
+from tiloilc.evaluate.verify.exact import Maximum, exactly, maximum
 from tiloilc.evaluate.verify.models import model_of
 from tiloilc.evaluate.verify.results import (
     Counterexample,
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 Method = Literal["auto", "exact", "simulate"]
 Tell = Callable[[str], None]
-METHODS: tuple[Method, ...] = ("auto", "exact", "simulate")
 
 EPISODES = 100
 """Trials of each agent, unless told otherwise: with all of them fine, 0.96 at least."""
@@ -77,7 +76,7 @@ def verify_task(
     Raises CompileError RUN713 without Storm, RUN714 if the environment belies its model.
     """
     model, why = model_of(plan)
-    best = None if model is None else _maximum(plan, labels, model)
+    best = None if model is None else _maximum(plan, model, labels(model.seen))
     about = None
     if why and expert is not None:
         tell(f"playing {wanted.trials} episodes of the expert `{expert}`")
@@ -102,16 +101,17 @@ def verify_run(
     """
     agent, places = _agent(plan, demos, labels, run, wanted)
     model, why = model_of(plan)
-    exact = wanted.method == "exact" or (wanted.method == "auto" and not why)
-    if exact and why:
+    if why and wanted.method == "exact":
         help = "leave out --method exact: probabilities are bounded by simulation then"
         about = Diagnostic.of("RUN713", subject=run.as_posix(), problem=why, help=help)
         raise CompileError(about)
-    if exact:
+    if not why and wanted.method != "simulate":
         assert model is not None
         require_storm(run.as_posix())
         return _exactly(plan, labels, agent, model, wanted, places)
-    best = _maximum(plan, labels, model) if model is not None and has_storm() else None
+    best = None
+    if model is not None and has_storm():
+        best = _maximum(plan, model, labels(model.seen))
     tell(f"playing {wanted.trials} episodes of each of {len(places)} agents")
     why = why or "simulation was asked for"
     return replace(_simulated(plan, labels, agent, wanted, places), maximum=best, why=why)
@@ -121,32 +121,29 @@ def _exactly(
     plan: Plan, labels: Labels, agent: Agent, model: MarkovModel, wanted: Wanted, places: list[int]
 ) -> Verification:
     """Each agent's chain, by Storm."""
-    letters, walk = _letters(model, labels), walk_tables(plan.ldba, plan.train.epsilon)
+    letters, walk = labels(model.seen), walk_tables(plan.ldba, plan.train.epsilon)
     decided = decisions(agent, model, letters, walk, plan.train.seeds)
-    formula = formula_of(plan)
     judged, failures = [], []
     for place in places:
         chain = induced_chain(model, letters, walk, decided.columns[place], decided.arrivals[place])
         found = exactly(chain, plan)
         judged.append(Judged(plan.train.first_seed + place, found))
-        failed = None if found.probability == 1 else failure(chain, model, plan, formula)
+        failed = None if found.probability == 1 else failure(chain, model, plan)
         if failed is not None:
             failures.append((found.probability, _told(plan, judged[-1].seed, failed)))
     failures.sort(key=lambda entry: (entry[0], entry[1].seed))
-    best = _maximum(plan, labels, model)
+    best = _maximum(plan, model, letters)
     shown = tuple(counterexample for _, counterexample in failures)
     return Verification(plan, wanted.policy, tuple(judged), None, best, shown)
 
 
 def _told(plan: Plan, seed: int, failed: Failure) -> Counterexample:
-    lost = failed.path.lost(plan.ldba) is not None
-    reason = (
-        told.violation(failed.path, plan)
-        if lost
-        else told.repetition(failed.path, plan, failed.nodes)
-    )
-    way = tuple(told.way(failed.path, plan))
-    return Counterexample(seed, failed.path, way, reason, failed.probability)
+    path = failed.path
+    if path.lost(plan.ldba) is not None:
+        reason = told.violation(path, plan)
+    else:
+        reason = told.repetition(path, plan, failed.nodes)
+    return Counterexample(seed, path, tuple(told.way(path, plan)), reason, failed.probability)
 
 
 def _simulated(
@@ -173,7 +170,6 @@ def _about(plan: Plan, trials: Trials, wanted: Wanted, seeds: tuple[int, ...]) -
         wanted.trials,
         plan.environment.horizon,
         wanted.visits,
-        EVALUATION,
         pooled,
         half_width,
         trials_needed(0.5, half_width, wanted.confidence),
@@ -205,20 +201,19 @@ def _shown(
     seed, way = plan.train.first_seed + places[worst], tuple(told.way(path, plan))
     visits = int(np.isin(path.states[1:], sorted(plan.ldba.accepting)).sum())
     if path.lost(plan.ldba) is not None:
-        return (Counterexample(seed, path, way, told.violation(path, plan), None),)
-    if visits < wanted.visits:
+        reason = told.violation(path, plan)
+    elif visits < wanted.visits:
         reason = told.shortfall(path, plan, visits, wanted.visits)
-        return (Counterexample(seed, path, way, reason, None),)
-    return ()  # the environment does not repeat itself
+    else:
+        return ()  # the environment does not repeat itself
+    return (Counterexample(seed, path, way, reason, None),)
 
 
 def _agent(
     plan: Plan, demos: DemoSet, labels: Labels, run: Path, wanted: Wanted
 ) -> tuple[Agent, list[int]]:
     """The agents with the policies wanted, and the places of those that are verified."""
-    if load_policy(run, "last") is None:
-        help = f"tiloilc train {run.as_posix()} --resume"
-        raise CompileError(Diagnostic.of("RUN706", help=help, path=run.as_posix()))
+    require_finished(run)
     policy = load_policy(run, wanted.policy)
     first, count = plan.train.first_seed, plan.train.seeds
     problem = ""
@@ -233,11 +228,6 @@ def _agent(
     return agent, list(range(count)) if wanted.seed is None else [wanted.seed - first]
 
 
-def _maximum(plan: Plan, labels: Labels, model: MarkovModel) -> Maximum:
+def _maximum(plan: Plan, model: MarkovModel, letters: Int) -> Maximum:
     require_storm(plan.name)
-    return maximum(model, _letters(model, labels), plan)
-
-
-def _letters(model: MarkovModel, labels: Labels) -> Int:
-    observations = np.asarray(model.observations, np.float32).reshape(len(model.observations), -1)
-    return labels(observations)
+    return maximum(model, letters, plan)

@@ -125,15 +125,12 @@ def _missing(plan: Plan, path: Path, first: int, verbs: tuple[str, str]) -> str:
 def _cause(path: Path, ldba: Ldba, t: int) -> str:
     """Why the automaton's state changed at step `t`, and a comma."""
     before, now, letter = int(path.states[t - 1]), int(path.states[t]), int(path.letters[t])
-    decided = f"decides for state {now} (ε-jump), "
-    if now in ldba.jump_targets[before] and ldba.successor(before, letter) != now:
-        return decided
     if ldba.successor(before, letter) == now:
         return f"{_what_happened(path, ldba, t)}, "
-    for jump in ldba.jump_targets[before]:
-        if ldba.successor(jump, letter) == now:
-            return f"decides for state {jump} (ε-jump), "
-    return decided  # a jump that took a step of its own, after the letter
+    jumps = ldba.jump_targets[before]
+    through = [now] if now in jumps else [c for c in jumps if ldba.successor(c, letter) == now]
+    decided = through[0] if through else now  # in a step of its own, after the letter
+    return f"decides for state {decided} (ε-jump), "
 
 
 def _what_happened(path: Path, ldba: Ldba, t: int) -> str:
@@ -142,9 +139,9 @@ def _what_happened(path: Path, ldba: Ldba, t: int) -> str:
     letter = int(path.letters[t])
     earlier = letter if t == 0 else int(path.letters[t - 1])
     cube = _cube(ldba, before, letter)
-    true = [i for i in range(len(ldba.propositions)) if cube.value >> i & 1]
-    false = [i for i in range(len(ldba.propositions)) if cube.mask >> i & 1 and i not in true]
-    shown, holds = (true, "true") if true else (false, "false")
+    read = [i for i in range(len(ldba.propositions)) if cube.mask >> i & 1]
+    true = [i for i in read if cube.value >> i & 1]
+    shown, holds = (true, "true") if true else (read, "false")
     if not shown:
         return "any letter"
     fresh = [i for i in shown if (earlier ^ letter) >> i & 1]
