@@ -117,11 +117,22 @@ def test_the_verdict_has_result_interval_optimum_and_cloning(folder: Path, page:
     number = r"\d\.\d\d"
     assert re.fullmatch(
         rf"makes {number} accepting visits per episode \(95\u00a0% interval {number}–{number}, "
-        rf"10 seeds\): \d+\u00a0% of the optimum of 4; cloning alone makes {number}\. "
+        rf"10 seeds\): \d+\u00a0% of the best known \(4\); cloning alone makes {number}\. "
         r"It violates the formula in [\d.]+\u00a0% of episodes\.",
         said,
     )
     assert f"TiLoIL {said}" in page
+
+
+def test_a_lower_bound_of_the_optimum_is_not_called_the_optimum(tmp_path: Path) -> None:
+    for exact, name, other in ((True, "optimum", "best known"), (False, "best known", "optimum")):
+        best = {"accepting_visits": 4.0, "exact": exact, "how": "so it is"}
+        page = render([read_run(write_run(tmp_path / name, optimum=best))])
+        before, _, _ = page.partition("How to read this page")
+        assert before.count(f"% of the {name}") == 3, "verdict, table and speed"
+        assert f">{name} 4</text>" in before
+        assert f"{name.capitalize()} 4: so it is." in before
+        assert f"of the {other}" not in before
 
 
 def test_seeds_without_any_spread_are_said_to_be_the_same(tmp_path: Path) -> None:

@@ -95,6 +95,10 @@ def _reading() -> Markup:
         "Interquartile mean: the mean over seeds without the lowest and highest quarter, with a "
         "percentile bootstrap interval over seeds."
     )
+    about["Optimum, best known"] = (
+        "The most accepting visits that an episode can have; where that is not known exactly, the "
+        "most that real actions are known to make."
+    )
     about["Which policy"] = (
         "Of each seed the best by validation during training, taking its mean action, judged on "
         "fresh episodes. Sampled: the same, drawing actions as in training. At the end: the one "

@@ -28,11 +28,13 @@ __all__ = [
     "algorithm",
     "area",
     "better",
+    "cloned",
     "cloning",
     "efficiency",
     "greedy",
     "labels",
-    "levels_of",
+    "optimum",
+    "optimum_name",
     "percent",
     "summary",
     "verdict",
@@ -125,12 +127,17 @@ def summary(values: Floats | None) -> Summary | None:
 
 
 def optimum(run: Run) -> float | None:
-    """The greatest number of accepting visits in an episode, if it is known."""
+    """The greatest number of accepting visits in an episode, if it or a lower bound is known."""
     return None if run.final is None else run.final.optimum
 
 
+def optimum_name(run: Run) -> str:
+    """What `optimum` is: a lower bound is only the best known."""
+    return "optimum" if run.final is not None and run.final.optimum_exact else "best known"
+
+
 def efficiency(run: Run) -> tuple[float, int | None] | None:
-    """(threshold, step): where the mean over seeds first reaches 90 % of the optimum."""
+    """(threshold, step): where the mean over seeds first reaches 90 % of `optimum`."""
     best = optimum(run)
     if best is None or best <= 0 or VISITS not in run.curve.values:
         return None
@@ -146,11 +153,10 @@ def area(run: Run) -> Summary | None:
     return summary(area_under_curve(run.curve.steps, values))
 
 
-def levels_of(run: Run, metric: str) -> tuple[float | None, float | None]:
-    """(optimum, cloning alone) of one metric; the optimum is known of accepting visits only."""
-    cloned = summary(cloning(run).get(metric))
-    best = optimum(run) if metric == VISITS else None
-    return best, None if cloned is None else cloned.mean
+def cloned(run: Run, metric: str) -> float | None:
+    """The mean of cloning alone in one metric."""
+    over = summary(cloning(run).get(metric))
+    return None if over is None else over.mean
 
 
 def algorithm(run: Run) -> str:
@@ -170,12 +176,13 @@ def verdict(run: Run) -> str:
     if visits.count > 1 and low == high:
         spread = f"the same on all {seeds}"
     said = f"makes {visits.mean:.2f} accepting visits per episode ({spread})"
-    best, cloned = levels_of(run, VISITS)
+    best, begun = optimum(run), cloned(run, VISITS)
     beside = []
     if best is not None and best > 0:
-        beside.append(f"{visits.mean / best * 100:.0f} % of the optimum of {number(best)}")
-    if cloned is not None:
-        beside.append(f"cloning alone makes {cloned:.2f}")
+        share = f"{visits.mean / best * 100:.0f} %"
+        beside.append(f"{share} of the {optimum_name(run)} ({number(best)})")
+    if begun is not None:
+        beside.append(f"cloning alone makes {begun:.2f}")
     said += f": {'; '.join(beside)}." if beside else "."
     violations = summary(values.get("violation_rate"))
     if violations is not None:

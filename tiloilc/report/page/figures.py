@@ -63,7 +63,7 @@ def small_curves(runs: Sequence[Run], names: Sequence[str]) -> Markup | None:
         show = (lambda v: f"{v * 100:.0f} %") if about.share else number
         levels = []
         for run in runs:
-            _, cloned = facts.levels_of(run, metric)
+            cloned = facts.cloned(run, metric)
             if cloned is not None and len(runs) == 1:
                 levels.append(Level("cloning alone", "cloning", cloned))
         chart = line_chart(
@@ -189,10 +189,10 @@ def _levels(runs: Sequence[Run], names: Sequence[str]) -> list[Level]:
     """The optimum once if all runs share it; cloning by run."""
     found: list[Level] = []
     for i, (run, name) in enumerate(zip(runs, names, strict=True)):
-        best, cloned = facts.levels_of(run, facts.VISITS)
+        best, cloned = facts.optimum(run), facts.cloned(run, facts.VISITS)
         of = "" if len(runs) == 1 else f", {name}"
         if best is not None and all(one.value != best for one in found if "optimum" in one.style):
-            found.append(Level("optimum", "optimum", best))
+            found.append(Level(facts.optimum_name(run), "optimum", best))
         if cloned is not None and all(one.value != cloned for one in found):
             style = f"cloning {'' if len(runs) == 1 else f'run-{i % 8}'}".strip()
             found.append(Level(f"cloning alone{of}", style, cloned))

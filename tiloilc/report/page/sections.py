@@ -80,14 +80,15 @@ def results(run: Run) -> Markup:
     if reached is not None:
         threshold, step = reached
         when = "is never" if step is None else f"is after {step:,} steps"
-        said.append(f"The curve's mean over seeds {when} at 90 % of the optimum ({threshold:.2f}).")
+        best = facts.optimum_name(run)
+        said.append(f"The curve's mean over seeds {when} at 90 % of the {best} ({threshold:.2f}).")
     area = facts.area(run)
     if area is not None:
         said.append(f"Mean height of the learning curve: {area.mean:.2f} ± {area.sd:.2f} visits.")
     if run.final is not None and run.final.optimum is not None:
-        kind = "exact" if run.final.optimum_exact else "a bound"
-        how = run.final.optimum_how.rstrip(".") or kind
-        said.append(f"Optimum of {number(run.final.optimum)}: {how}.")
+        name = facts.optimum_name(run).capitalize()
+        how = run.final.optimum_how.rstrip(".")
+        said.append(f"{name} {number(run.final.optimum)}{f': {how}' if how else ''}.")
     body.append(tag("p", " ".join(said), class_="caption"))
     return concat(body)
 

@@ -34,7 +34,7 @@ def comparison(runs: Sequence[Run], names: Sequence[str]) -> Markup:
         "Beside the first run of its task: by how much the mean over seeds is higher, and how "
         "likely a seed of it makes more visits than one of the first (ties count half); both with "
         "bootstrap intervals. Then the step at which the mean over seeds first makes 90 % of the "
-        "optimum in validation, and the area under that curve by its length."
+        "optimum, or of the best known, in validation, and the area under that curve by its length."
     )
     return concat(
         tables.comparison(runs, names),

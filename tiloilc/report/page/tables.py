@@ -30,7 +30,7 @@ def results(run: Run) -> Markup:
     beside = {head: metrics for head, metrics in beside.items() if metrics}
     heads = ["Greedy policy", "mean ± sd", "IQM [95 % CI]", "every seed"]
     heads += list(beside)
-    best, _ = facts.levels_of(run, facts.VISITS)
+    best = facts.optimum(run)
     rows = []
     for name, about in facts.METRIC_TEXTS.items():
         column = values.get(name)
@@ -42,7 +42,7 @@ def results(run: Run) -> Markup:
             unit = f"γ = {number(run.final.gamma)}"
         if name == "first_visit" and over.count < len(run.seeds):
             unit += f", {over.count} of {len(run.seeds)} seeds"
-        of_best = _of_best(over, best) if name == facts.VISITS else ""
+        of_best = _of_best(over, run) if name == facts.VISITS else ""
         cells = [
             tag("th", about.title, tag("small", unit), scope="row", title=about.about),
             tag("td", plus_minus(over, about), of_best, class_="num strong"),
@@ -69,14 +69,14 @@ def comparison(runs: Sequence[Run], names: Sequence[str]) -> Markup:
         values = facts.greedy(run)
         column = values.get(facts.VISITS)
         over = facts.summary(column)
-        best, _ = facts.levels_of(run, facts.VISITS)
+        best = facts.optimum(run)
         if column is None or over is None:
             cells.append(tag("td", "not evaluated", colspan="3"))
         else:
             peers = [facts.greedy(r).get(facts.VISITS) for r in runs if r.name == run.name]
             highest = max(float(np.nanmax(p)) for p in peers if p is not None and len(p))
             cells += [
-                tag("td", plus_minus(over, visits), _of_best(over, best), class_="num strong"),
+                tag("td", plus_minus(over, visits), _of_best(over, run), class_="num strong"),
                 tag("td", iqm(over, visits), class_="num"),
                 tag(
                     "td",
@@ -241,10 +241,11 @@ def _brief(values: Floats | None, about: facts.MetricText) -> str:
     return "–" if over is None else plus_minus(over, about)
 
 
-def _of_best(over: Summary, best: float | None) -> str:
+def _of_best(over: Summary, run: Run) -> str:
+    best = facts.optimum(run)
     if best is None or best <= 0:
         return ""
-    return tag("small", f"{over.mean / best * 100:.0f} % of the optimum")
+    return tag("small", f"{over.mean / best * 100:.0f} % of the {facts.optimum_name(run)}")
 
 
 def _setting(value: object) -> str:
