@@ -150,6 +150,9 @@ def test_trajectories_of_another_automaton_are_not_counted(tmp_path: Path) -> No
     run = write_run(tmp_path / "a", seeds=1)
     write_states(run, [[0, 7]])
     assert passes(read_run(run)) is None
+    page = render([read_run(run)])
+    assert "no trajectories.npz of this automaton" in page
+    assert 'class="areas"' in page, "the log is of this one"
 
 
 def test_what_verification_found_is_told(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from tiloilc.plan.model import Stages
 from tiloilc.report.markup import Markup, number, tag
+from tiloilc.report.page import facts
 from tiloilc.report.page.tables import absent, table
 from tiloilc.report.runs.reading import Floats
 from tiloilc.report.runs.run import Run
@@ -22,13 +23,14 @@ def passes(run: Run) -> Floats | None:
 
     None without trajectories, or with those of another automaton.
     """
-    if run.plan is None or run.trajectories is None:
+    if run.plan is None:
         return None
     count = len(run.plan.ldba.names)
-    if int(run.trajectories.states.max()) >= count:
+    known = facts.trajectories(run, count)
+    if known is None:
         return None
     found = np.zeros((count, count))
-    states = run.trajectories.states
+    states = known.states
     before, after = states[:, :-1], states[:, 1:]
     taken = (before >= 0) & (after >= 0)
     np.add.at(found, (before[taken], after[taken]), 1.0)
@@ -117,10 +119,10 @@ def _times(name: str, what: str, values: Sequence[str]) -> Markup:
 
 def _training(run: Run, count: int) -> Floats | None:
     """The share of all training steps in each state."""
-    if run.occupancy is None or run.occupancy.shares.shape[1] != count:
+    known = facts.occupancy(run, count)
+    if known is None:
         return None
-    spans = np.diff([0, *run.occupancy.steps])
-    mean: Floats = np.average(run.occupancy.shares, axis=0, weights=spans)
+    mean: Floats = np.average(known.shares, axis=0, weights=np.diff([0, *known.steps]))
     return mean
 
 

@@ -20,7 +20,7 @@ from tiloilc.evaluate import (
 from tiloilc.report.markup import number
 from tiloilc.report.results.methods import method_name
 from tiloilc.report.runs.reading import Floats
-from tiloilc.report.runs.run import Run
+from tiloilc.report.runs.run import Occupancy, Run, Trajectories
 
 __all__ = [
     "METRIC_TEXTS",
@@ -33,10 +33,12 @@ __all__ = [
     "efficiency",
     "greedy",
     "labels",
+    "occupancy",
     "optimum",
     "optimum_name",
     "percent",
     "summary",
+    "trajectories",
     "verdict",
 ]
 
@@ -119,6 +121,18 @@ def cloning(run: Run) -> dict[str, Floats]:
         return {}
     place = run.curve.steps.index(begun)
     return {name: column[place] for name, column in run.curve.values.items()}
+
+
+def occupancy(run: Run, states: int) -> Occupancy | None:
+    """Where training time went, if the log tells of an automaton of so many states."""
+    known = run.occupancy
+    return None if known is None or known.shares.shape[1] != states else known
+
+
+def trajectories(run: Run, states: int) -> Trajectories | None:
+    """The episodes, if they are of an automaton of so many states."""
+    known = run.trajectories
+    return None if known is None or int(known.states.max()) >= states else known
 
 
 def summary(values: Floats | None) -> Summary | None:

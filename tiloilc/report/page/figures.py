@@ -93,10 +93,10 @@ def losses(run: Run) -> Markup | None:
 
 def occupancy(run: Run, states: Sequence[State]) -> Markup | None:
     """Where training time went: the share of each automaton state, stages from the bottom."""
-    if run.occupancy is None:
+    known = facts.occupancy(run, len(states))
+    if known is None:
         return None
-    areas = _areas(run.occupancy, states)
-    steps = run.occupancy.steps
+    areas, steps = _areas(known, states), known.steps
 
     def drawn(width: float, height: float) -> Markup:
         title = "Share of training steps in each automaton state"
@@ -111,10 +111,11 @@ def occupancies(
     """The same of several runs of one automaton, side by side; None if none was logged."""
     drawn = []
     for run, name in zip(runs, names, strict=True):
-        if run.occupancy is None or run.occupancy.shares.shape[1] != len(states):
+        known = facts.occupancy(run, len(states))
+        if known is None:
             continue
         chart = area_chart(
-            run.occupancy.steps, _areas(run.occupancy, states),
+            known.steps, _areas(known, states),
             title=f"Share of training steps in each automaton state: {name}",
             width=SMALL[0], height=SMALL[1],
         )  # fmt: skip
@@ -131,23 +132,23 @@ def _areas(occupancy: Occupancy, states: Sequence[State]) -> list[Area]:
 
 def paths(run: Run, states: Sequence[State]) -> Markup | None:
     """One greedy episode a seed: over the map if there is one, and as bars of states."""
-    if run.trajectories is None:
+    taken = facts.trajectories(run, len(states))
+    if taken is None:
         return None
     names = [f"seed {seed}" for seed in run.seeds]
     drawn = None
     if run.plan is not None:
         drawn = map_of(run.plan.environment.id, dict(run.plan.environment.kwargs), run.root)
-        width = run.trajectories.observations.shape[2]
-        seen = run.trajectories.observations[run.trajectories.states >= 0]
+        width = taken.observations.shape[2]
+        seen = taken.observations[taken.states >= 0]
         drawn = drawn or plane_of(run.plan, run.root, seen)
         if drawn is not None and not all(0 <= i < width for i in drawn.position):
             drawn = None
-    taken = run.trajectories
 
     def bars(width: float, _: float) -> Markup:
         return timeline(taken, states, names, width)
 
-    over_map = None if drawn is None else panels(run.trajectories, drawn, states, names)
+    over_map = None if drawn is None else panels(taken, drawn, states, names)
     missing = tag("p", "The environment publishes no two-dimensional map.", class_="quiet")
     return concat(
         missing if over_map is None else over_map,

@@ -11,7 +11,7 @@ from tiloilc.report.page.verified import verified
 from tiloilc.report.runs.run import Run
 from tiloilc.report.states import State, states_of
 
-__all__ = ["automaton", "misfit", "occupancy", "of_run", "results", "states_in", "warnings"]
+__all__ = ["automaton", "occupancy", "of_run", "results", "states_in", "warnings"]
 
 Sections = list[tuple[str, Markup]]
 
@@ -105,7 +105,7 @@ def states_in(run: Run) -> tuple[State, ...]:
 
 def occupancy(run: Run, states: Sequence[State]) -> Markup:
     """Where training time went."""
-    shown = None if misfit(run, states) else figures.occupancy(run, states)
+    shown = figures.occupancy(run, states)
     if shown is None:
         return tables.absent("The event log has no stage histogram of this automaton.")
     said = (
@@ -116,7 +116,7 @@ def occupancy(run: Run, states: Sequence[State]) -> Markup:
 
 
 def _trajectories(run: Run, states: Sequence[State]) -> Markup:
-    shown = None if misfit(run, states) else figures.paths(run, states)
+    shown = figures.paths(run, states)
     if shown is None:
         return tables.absent("There is no trajectories.npz of this automaton in the run folder.")
     said = (
@@ -147,10 +147,3 @@ def automaton(run: Run, states: Sequence[State]) -> Markup:
         "" if spent is None else spent,
         "" if automata.passes(run) is None else tag("p", COUNTS, class_="caption"),
     )
-
-
-def misfit(run: Run, states: Sequence[State]) -> bool:
-    """Whether the log or the trajectories speak of states that the plan does not have."""
-    if run.occupancy is not None and run.occupancy.shares.shape[1] != len(states):
-        return True
-    return run.trajectories is not None and int(run.trajectories.states.max()) >= len(states)
