@@ -113,12 +113,11 @@ def command(
         experiments, found = sweeps.check(asked)
     if not quiet:  # what is merely worth knowing of a task, `lint` tells
         report(finding for finding in found if finding.severity is not Severity.NOTE)
-    patterns = dict.fromkeys(request.records for request in asked) or {
-        records or sweeps.RECORDS: None
-    }
-    for pattern in patterns if merge and not dry_run else ():
-        for file, count in sweeps.merge(merge or [], pattern).items():
-            say(f"{file.as_posix()} has {count} records", quiet)
+    if merge and not dry_run:
+        patterns = [request.records for request in asked] or [records or sweeps.RECORDS]
+        for pattern in dict.fromkeys(patterns):
+            for file, count in sweeps.merge(merge, pattern).items():
+                say(f"{file.as_posix()} has {count} records", quiet)
     if not experiments:
         return
     commit = _commit()
@@ -144,10 +143,12 @@ def command(
 
 def listing(sweep: Sweep, done: Sequence[Mapping[int, object]]) -> str:
     """The jobs that would be done, in their order, then what is recorded already."""
+    from tiloilc.sweep.work import RUNS
+
     lines = []
     for job in sweep.jobs:
-        one, begun = sweep.experiments[job.number], (sweep.job_folder(job) / "runs").is_dir()
-        state = "begun" if begun else "to do"
+        one = sweep.experiments[job.number]
+        state = "begun" if (sweep.job_folder(job) / RUNS).is_dir() else "to do"
         about = f"{one.plan.name}  {one.words}  {seeds_of(job.seeds)}  {one.steps:,} steps"
         lines.append(f"{state:<9}{about}")
     for one, records in zip(sweep.experiments, done, strict=True):
@@ -245,11 +246,13 @@ def _stoppable() -> Iterator[None]:
 
 
 def _tell_failures(sweep: Sweep, failed: Mapping[str, Outcome]) -> None:
+    from tiloilc.sweep.work import LOG
+
     jobs = {job.id: job for job in sweep.jobs}
     for id, outcome in failed.items():
         job = jobs[id]
         one = sweep.experiments[job.number]
-        log = (sweep.job_folder(job) / "log.txt").as_posix()
+        log = (sweep.job_folder(job) / LOG).as_posix()
         say(f"failed: {one.plan.name} {one.words} {seeds_of(job.seeds)}: {outcome.problem} ({log})")
         for line in outcome.tail:
             say(f"  | {line}")
