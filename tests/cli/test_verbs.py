@@ -9,7 +9,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import get_type_hints
 
-import jsonschema
 import pytest
 
 from tests.cli.running import Run, runner
@@ -17,6 +16,8 @@ from tests.driver.specs import spec
 from tiloilc import automaton
 from tiloilc.cli.logic import translate as cli_translate
 from tiloilc.diag import RULES
+from tiloilc.spec import json_schema
+from tiloilc.sweep import sweep_schema
 
 
 @pytest.fixture
@@ -362,12 +363,15 @@ def test_check_says_how_formulas_relate(
 # schema, doctor, init
 
 
-def test_the_schema_accepts_the_bundled_specs(run: Run, root: Path) -> None:
-    from ruamel.yaml import YAML
-
-    schema = json.loads(run("schema")[1])
-    for path in sorted((root / "specs").glob("*.yaml")):
-        jsonschema.validate(YAML(typ="safe").load(path.read_text(encoding="utf-8")), schema)
+def test_schemas_of_task_files_and_of_sweep_files_are_printed(run: Run) -> None:
+    for kinds, schema in (
+        ((), json_schema()),
+        (("task",), json_schema()),
+        (("sweep",), sweep_schema()),
+    ):
+        status, out, err = run("schema", *kinds)
+        assert (status, json.loads(out), err) == (0, schema, "")
+    assert run("schema", "sweep", "--format", "markdown")[:2] == (2, "")
 
 
 def test_the_table_of_settings_is_up_to_date(run: Run, root: Path) -> None:

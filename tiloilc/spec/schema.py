@@ -1,10 +1,11 @@
-"""JSON Schema of the task file, with which editors complete and check it."""
+"""JSON Schema of task files and their like, with which editors complete and check them."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from tiloilc.spec.model import Spec
+from tiloilc.spec.base import Model
+from tiloilc.spec.problems import TASK_FILE, Form
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -19,16 +20,21 @@ _LIMITS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", 
 
 
 def json_schema() -> dict[str, Any]:
-    """The schema (draft 2020-12); numbers are also taken as people write them."""
-    schema = _widened(Spec.model_json_schema())
+    """The schema of a task file."""
+    given = {"oneOf": [{"required": ["formula"]}, {"required": ["automaton"]}]}
+    return {**form_schema(TASK_FILE), **given}
+
+
+def form_schema(form: Form[Model]) -> dict[str, Any]:
+    """The schema (draft 2020-12) of a file; numbers are also taken as people write them."""
+    schema = _widened(form.model.model_json_schema())
     assert isinstance(schema, dict)
     rest = {k: v for k, v in schema.items() if k not in ("title", "description", "$schema")}
     return {
         "$schema": DIALECT,
-        "title": "tiloilc task file",
-        "description": str(Spec.__doc__),
+        "title": f"tiloilc {form.called.removeprefix('a ')}",
+        "description": str(form.model.__doc__),
         **rest,
-        "oneOf": [{"required": ["formula"]}, {"required": ["automaton"]}],
     }
 
 

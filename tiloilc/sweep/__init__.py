@@ -4,7 +4,7 @@ from tiloilc.sweep.drive import Sweep, carry_out, collect
 from tiloilc.sweep.engine import Engine, Event, Started
 from tiloilc.sweep.experiments import Experiment, Job, check, jobs_of
 from tiloilc.sweep.local import Local
-from tiloilc.sweep.model import Changes, given
+from tiloilc.sweep.model import Changes, given, sweep_schema
 from tiloilc.sweep.ray import Ray
 from tiloilc.sweep.recorded import Same, merge, recorded
 from tiloilc.sweep.request import RECORDS, Options, Request, requests
@@ -36,5 +36,6 @@ __all__ = [
     "merge",
     "recorded",
     "requests",
+    "sweep_schema",
     "table",
 ]

@@ -11,6 +11,7 @@ from pydantic.fields import FieldInfo
 
 from tiloilc.spec.base import Model, Whole
 from tiloilc.spec.problems import Form
+from tiloilc.spec.schema import form_schema
 from tiloilc.spec.settings import Settings, Steps
 
 OWN = ("seeds", "first_seed")
@@ -22,14 +23,18 @@ def _partial(name: str, about: str, kind: Callable[[FieldInfo], object]) -> type
     fields: dict[str, Any] = {}
     for key, field in Settings.model_fields.items():
         if key not in OWN:
-            free = Field(default=None, description=field.description)
+            free = Field(
+                default=None,
+                description=field.description,
+                json_schema_extra=lambda about: about.pop("default"),  # the task file's own
+            )
             fields[key] = (kind(field), free)
     return create_model(name, __base__=Model, __doc__=about, **fields)
 
 
 def _value(field: FieldInfo) -> object:
     """The type of a setting, with its limits."""
-    return Annotated[field.annotation, Field(), *field.metadata]
+    return Annotated[field.annotation, Field(examples=field.examples), *field.metadata]
 
 
 Changes = _partial("Changes", "Settings that differ from the task file's.", _value)
@@ -40,6 +45,9 @@ Grid = _partial(
 )
 
 
+Algorithm = _value(Settings.model_fields["algorithm"])
+
+
 class Sweep(Model):
     """Specs × algorithms × sets of settings × seeds."""
 
@@ -47,7 +55,7 @@ class Sweep(Model):
     specs: list[Annotated[str, Field(min_length=1)]] = Field(
         min_length=1, description="task files, or patterns like `specs/grid_*.yaml`"
     )
-    algorithms: list[Annotated[str, *Settings.model_fields["algorithm"].metadata]] | None = Field(
+    algorithms: list[Algorithm] | None = Field(  # type: ignore[valid-type]
         default=None, min_length=1, description="each with every spec; else the spec's own"
     )
     steps: Steps | None = Field(default=None, description="instead of the specs' own")
@@ -74,6 +82,11 @@ class Sweep(Model):
 
 
 SWEEP_FILE = Form(Sweep, "a sweep file")
+
+
+def sweep_schema() -> dict[str, Any]:
+    """The JSON Schema of a sweep file."""
+    return form_schema(SWEEP_FILE)
 
 
 def given(changes: Model) -> Mapping[str, object]:
