@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -71,7 +71,7 @@ class Checker:
                 return self._signed(node)
             case "power":
                 base, exponent = trees_of(node)
-                return self._binary("**", base, self.expression(base), exponent)
+                return self._arithmetic(base, [("**", exponent)])
             case "sum" | "product":
                 return self._chain(node)
             case "comparison":
@@ -173,27 +173,33 @@ class Checker:
         """`a + b - c`: from left to right."""
         first, *rest = node.children
         assert isinstance(first, Tree), "the grammar says so"
-        left = self.expression(first)
-        for operator, operand in zip(rest[::2], rest[1::2], strict=True):
-            assert isinstance(operand, Tree), "the grammar says so"
-            left = self._binary(str(operator), first, left, operand)
-        return left
+        others = zip(map(str, rest[::2]), trees_of(node)[1:], strict=True)
+        return self._arithmetic(first, others)
 
-    def _binary(
-        self, operator: str, left_node: Tree[Token], left: Expression, right_node: Tree[Token]
+    def _arithmetic(
+        self, first: Tree[Token], others: Iterable[tuple[str, Tree[Token]]]
     ) -> Expression:
-        left = self._checked_numeric(left_node, left, f"`{operator}`")
-        right = self._numeric(right_node, f"`{operator}`")
-        if left.kind is None or right.kind is None:
-            return WRONG
-        kind = self._common(left.kind, right.kind, right_node)
+        """Operators and operands after the first; run in a loop, as there may be thousands."""
+        start = self.expression(first)
+        kind, steps = start.kind, []
+        for operator, operand in others:
+            if kind == TRUTH:
+                kind = self._not_numbers(first, f"`{operator}`").kind
+            before, right = kind, self._numeric(operand, f"`{operator}`")
+            if before is None or right.kind is None:
+                kind = None
+                continue
+            kind = self._common(before, right.kind, operand)
+            if kind is not None:
+                steps.append((ARITHMETIC[operator], before, right.run, right.kind, kind))
         if kind is None:
             return WRONG
-        operation, kinds, runs = ARITHMETIC[operator], (left.kind, right.kind), (left, right)
 
         def run(observations: Array) -> Array:
-            a, b = (fit(r.run(observations), k, kind) for r, k in zip(runs, kinds, strict=True))
-            return operation(a, b)
+            value = start.run(observations)
+            for operation, before, right, own, both in steps:
+                value = operation(fit(value, before, both), fit(right(observations), own, both))
+            return value
 
         return Expression(kind, run)
 
@@ -281,9 +287,7 @@ class Checker:
 
     def _numeric(self, node: Tree[Token], user: str) -> Expression:
         """A number or vector, for `user`."""
-        return self._checked_numeric(node, self.expression(node), user)
-
-    def _checked_numeric(self, node: Tree[Token], value: Expression, user: str) -> Expression:
+        value = self.expression(node)
         return self._not_numbers(node, user) if value.kind == TRUTH else value
 
     def _not_numbers(self, node: Tree[Token], user: str) -> Expression:
