@@ -1,8 +1,8 @@
 """`python -m tiloilc.report.results [row ANCHOR]`, in the root of a checkout.
 
 Without arguments: write `docs/results/`, and the part of `README.md` that is between its markers,
-from `results/` and `specs/`. With `row` and the end of a
-link to a row: print the records that it is made of.
+from `results/` and `specs/`. With `row` and the end of a link to a row: print the records that it
+is made of.
 """
 
 from __future__ import annotations

@@ -218,4 +218,4 @@ def _not_run(tasks: Sequence[str], change: str) -> str:
     if not tasks:
         return ""
     names = listed([title(task) for task in tasks])
-    return f"\nNot run: {names}. `{command(tasks[0], change)}`\n"
+    return f"\nNot run, in whole or in part: {names}. `{command(tasks[0], change)}`\n"

@@ -27,12 +27,12 @@ OTHER = Ink("#444444", "#cccccc")
 READING = """\
 Curves are eventual returns (Eq. 17 and 18, γ = 0.99) of greedy policies on validation episodes: the
 mean over seeds, with its 95 % bootstrap interval where the paper shades the standard deviation. The
-dashed level is the return of the most visits that are possible, or of the best that is known. In
-the tables *visits*, with seeds × steps below, are accepting visits of an episode, not discounted,
-of each seed's best policy on fresh episodes; the paper's tables print such counts, too. The two
-columns on 90 % say after how many steps the mean over seeds first gets there, of the paper's best
-number for TiLoIL and of the optimum; *mean height* is the area under the curve of visits over the
-steps.
+dashed level is the return of the most visits that are possible, or of the best that is known, which
+a curve can pass. In the tables *visits*, with seeds × steps below, are accepting visits of an
+episode, not discounted, of each seed's best policy on fresh episodes; the paper's tables print such
+counts, too. The two columns on 90 % say after how many steps the mean over seeds first gets there,
+of the paper's best number for TiLoIL and of the optimum; *mean height* is the area under the curve
+of visits over the steps.
 
 """
 
