@@ -114,6 +114,7 @@ def test_quick_commands_of_the_readme_run(readme: list[Block], folder: Path) -> 
 
 @pytest.mark.slow
 def test_all_commands_of_the_readme_run_in_order(readme: list[Block], folder: Path) -> None:
+    assert any(block.mark == "slow" for block in readme), "the quick test runs all of them"
     for block in readme:
         if block.mark in ("", "slow"):
             run(block, folder)
