@@ -23,7 +23,7 @@ def render(runs: Sequence[Run]) -> str:
     single = len(runs) == 1
     title = runs[0].name if single else " / ".join(dict.fromkeys(run.name for run in runs))
     of = [""] if single else [f"{name}: " for name in names]
-    body = [_header(runs[0]) if single else several.header(runs, title)]
+    body = [_header(runs[0]) if single else several.header(runs, names, title)]
     body += [warnings(run, whose) for run, whose in zip(runs, of, strict=True)]
     if single:
         parts = [("Results", results(runs[0])), ("Learning curves", several.curves(runs, names))]

@@ -12,13 +12,12 @@ from tiloilc.report.runs.run import Run
 __all__ = ["alike", "comparison", "curves", "header", "run_by_run", "shared_sections"]
 
 
-def header(runs: Sequence[Run], title: str) -> Markup:
+def header(runs: Sequence[Run], names: Sequence[str], title: str) -> Markup:
     """The tasks, and a sentence on each run."""
     body = [tag("p", f"tiloilc report · {len(runs)} runs compared", class_="eyebrow")]
     body.append(tag("h1", title))
     goals = dict.fromkeys(run.plan.goal for run in runs if run.plan is not None)
     body += [tag("pre", tag("code", goal), class_="formula") for goal in goals if goal]
-    names = facts.labels(runs)
     said = [
         tag("li", tag("i", class_=f"key run-{i % 8}"), tag("b", name), " ", facts.verdict(run))
         for i, (run, name) in enumerate(zip(runs, names, strict=True))
@@ -51,8 +50,6 @@ def curves(runs: Sequence[Run], names: Sequence[str]) -> Markup:
     for task in tasks:
         mine = [(run, name) for run, name in zip(runs, names, strict=True) if run.name == task]
         some, called = [run for run, _ in mine], [name for _, name in mine]
-        if len(runs) == 1:
-            called = [facts.algorithm(runs[0])]
         if len(tasks) > 1:
             body.append(tag("h3", task))
         main = figures.curves(some, called)
