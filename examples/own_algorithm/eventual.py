@@ -7,27 +7,26 @@ ICML 2023).
 
 import torch
 
-from tiloilc.learn.algorithm import Plain
+from tiloilc.learn.algorithm import Backup, Plain
 
 ELSEWHERE = 0.999
 """The discount where nothing is accepted: 1 would leave waiting for ever as good as arriving."""
 
 
 class EventualDiscounting(Plain):
-    """Everything but the target is soft actor-critic's own."""
+    """Everything but what steps are worth is soft actor-critic's own."""
 
     def __init__(self, setup):
         super().__init__(setup)
-        self.accepting = torch.from_numpy(self.walk.accepting)
+        self.pay = torch.from_numpy(self.walk.accepting).float()
+        self.discount = torch.where(self.pay > 0, self.settings.gamma, ELSEWHERE)
+        self.discount *= torch.arange(self.walk.states) != self.walk.sink
 
-    def worth(self, observation, options, value):
+    def worth(self, observation, options):
         """Arriving in each option pays at once, and what comes then is discounted."""
-        arrived = self.accepting[options]
-        later = torch.where(arrived, self.settings.gamma, ELSEWHERE) * value
-        return arrived.float() + later.where(options != self.walk.sink, 0.0)
+        return Backup(self.pay[options], self.discount[options])
 
-    def target(self, batch, options, value):
-        """The best of the options; an environment that has ended pays once more, at most."""
-        over = batch.terminal[..., None]
-        worth = self.worth(batch.next_observation, options, value)
-        return torch.where(over, self.accepting[options].float(), worth).amax(-1)
+    def backup(self, batch, options):
+        """The same; after an environment's own end nothing comes."""
+        worth = self.worth(batch.next_observation, options)
+        return Backup(worth.pay, worth.discount * ~batch.terminal[..., None])

@@ -10,6 +10,7 @@ from tests.product import worlds  # noqa: F401  # registers
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import Demo, DemoSet
 from tiloilc.learn.agent.shown import Shown
+from tiloilc.learn.engine.replay import Batch
 from tiloilc.plan import Plan, stage_plan
 from tiloilc.product import Floats, Int
 from tiloilc.spec.model import Demonstrations, Environment, Evaluate
@@ -92,6 +93,13 @@ def demos(*paths: list[float] | list[list[float]]) -> DemoSet:
 def nothing_shown(d: int) -> Shown:
     """No demonstrations."""
     return Shown.states_only(np.zeros((0, d), np.float32))
+
+
+def steps(state: torch.Tensor, terminal: torch.Tensor) -> Batch:
+    """Steps from automaton states [seed, n] of which nothing else matters."""
+    seen = torch.zeros(*state.shape, 1)
+    no = torch.zeros_like(terminal)
+    return Batch(seen, seen, seen, state, torch.zeros_like(state), terminal, seen[..., :0], no)
 
 
 def generator(seed: int = 0) -> torch.Generator:

@@ -14,7 +14,7 @@ from tiloilc.learn import make_loop
 from tiloilc.learn.agent.cloning import clone, fit_inverse_dynamics
 from tiloilc.learn.agent.continuous import SacAgent
 from tiloilc.learn.agent.shown import _segments, show
-from tiloilc.learn.algorithm.tiloil import stage_reward, tiloil_target
+from tiloilc.learn.algorithm.tiloil import stage_reward, tiloil_backup
 from tiloilc.learn.engine.sac import Imitated
 from tiloilc.learn.run.job import _shown
 from tiloilc.learn.run.loop import Loop
@@ -123,7 +123,7 @@ def test_rewards_are_those_of_todays_discriminators() -> None:
 
     def targets() -> torch.Tensor:
         options = agent.options[batch.state, batch.letter]
-        return agent.method.target(batch, options, torch.zeros(options.shape))
+        return agent.method.backup(batch, options).best(torch.zeros(options.shape))
 
     before = targets()
     agent.method.discriminators.trained[:] = True
@@ -151,15 +151,8 @@ def test_targets_are_equation_4_with_the_soft_value_of_the_next_state(
         soft = agent.sac.soft_value(after, agent.sac.sample(after, chance.noise[:, : n * k]))
         bonus = agent.method.discriminators.bonus(batch.observation, batch.state)
         reward = stage_reward(agent.method.table, batch.state, bonus, agent.settings)
-        expected = tiloil_target(
-            agent.method.table,
-            batch.state,
-            reward,
-            options,
-            soft.view(2, n, k),
-            batch.terminal,
-            agent.settings,
-        )
+        backup = tiloil_backup(agent.method.table, batch, options, reward, agent.settings)
+        expected = backup.best(soft.view(2, n, k))
         seen.append(torch.allclose(target, expected, atol=1e-5))
         assert torch.equal(action, batch.action)
         assert torch.equal(x, agent.encode(batch.observation, batch.state))
@@ -188,7 +181,7 @@ def test_a_jump_that_takes_a_step_is_worth_its_pay_and_what_follows_a_step_later
     )
     gamma = agent.settings.gamma
     expected = now + gamma * torch.maximum(value[..., 0], then + gamma * value[..., 1])
-    found = agent.method.target(batch, options, value)
+    found = agent.method.backup(batch, options).best(value)
     assert torch.allclose(found[waits], expected[waits])
 
 

@@ -13,7 +13,7 @@ from tests.learn.exact import GAMMA, MOST, RING, RISKY, SIZE, STAY, exact, label
 from tests.learn.examples import demos, generator, nothing_shown, settings
 from tiloilc.learn import make_loop
 from tiloilc.learn.agent.tabular import TabularAgent
-from tiloilc.learn.algorithm import Plain
+from tiloilc.learn.algorithm import Backup, Plain
 from tiloilc.learn.algorithm.tiloil import StageTable, stage_reward
 from tiloilc.learn.engine.replay import Batch
 from tiloilc.plan import stage_plan
@@ -95,9 +95,9 @@ def test_without_demo_replay_there_is_no_floor() -> None:
 class Arrivals(Plain):
     """Pays 1 for each arrival in acceptance."""
 
-    def target(self, batch: Batch, options: torch.Tensor, value: torch.Tensor) -> torch.Tensor:
+    def backup(self, batch: Batch, options: torch.Tensor) -> Backup:
         paid = torch.from_numpy(self.walk.accepting)[options].float()
-        return (paid + self.settings.gamma * value).amax(-1)
+        return Backup(paid, torch.tensor(self.settings.gamma))
 
 
 def test_an_algorithm_of_ones_own_learns_on_tables(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -225,7 +225,19 @@ def test_an_episode_is_learned_backwards_when_it_ends() -> None:
     for cell in (1, 2, 3):
         value = 0.5 + (GAMMA * MOST if cell == 1 else GAMMA * value)
         assert found.q[0, cell, 1, 0].item() == pytest.approx(value)
-    assert found.open == found.closed == []
+    assert found.closed == []
+
+
+def taken(agent: TabularAgent) -> list[list[list[tuple[int, int]]]]:
+    """(age, observation) of the steps to be learned, by ended episodes and seed."""
+    steps = [(t.age, t.batch.observation[..., 0].long(), t.valid) for t in agent.closed]
+    return [
+        [
+            sorted(zip(age[valid].tolist(), seen[valid].tolist(), strict=True))
+            for age, seen, valid in zip(*step, strict=True)
+        ]
+        for step in steps
+    ]
 
 
 def test_episodes_of_different_lengths_are_learned_each_once() -> None:
@@ -237,18 +249,7 @@ def test_episodes_of_different_lengths_are_learned_each_once() -> None:
         found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_), zero)
         length = np.array([[t + 1 if t < 2 else 1], [t + 1]])
         found.finish(np.array(ended)[:, None], length)
-    taken = [
-        (step.batch.observation[:, 0, 0].tolist(), step.valid[:, 0].tolist())
-        for step in found.closed
-    ]
-    assert taken == [
-        ([1, 2], [True, False]),
-        ([0, 1], [True, False]),
-        ([2, 3], [False, True]),
-        ([1, 2], [False, True]),
-        ([0, 1], [False, True]),
-    ]
-    assert len(found.open) == 1  # the first step of seed 0's next episode
+    assert taken(found) == [[[(0, 1), (1, 0)], []], [[], [(0, 3), (1, 2), (2, 1)]]]
 
 
 def test_episodes_that_end_together_have_each_their_own_length() -> None:
@@ -258,10 +259,18 @@ def test_episodes_that_end_together_have_each_their_own_length() -> None:
         cells = np.full((2, 1, 1), t, np.float32)
         found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_), zero)
     found.finish(np.array([[True], [True]]), np.array([[1], [3]]))
-    taken = [
-        (step.batch.observation[0, 0, 0].item(), step.valid[:, 0].tolist()) for step in found.closed
-    ]
-    assert taken == [(2, [True, True]), (1, [False, True]), (0, [False, True])]
+    assert taken(found) == [[[(0, 2)], [(0, 2), (1, 1), (2, 0)]]]
+
+
+def test_more_steps_than_an_episode_has_push_out_the_oldest() -> None:
+    """Of 10 at most, in each copy; the last episode begins behind the turn of the ring."""
+    found = agent(seeds=1)
+    zero = np.zeros((1, 2), np.int64)
+    for t in range(13):
+        cells = np.array([[[t % SIZE], [(t + 1) % SIZE]]], np.float32)
+        found.record(cells, zero + 10, cells, zero, zero, zero.astype(np.bool_), zero)
+    found.finish(np.array([[False, True]]), np.array([[9, 4]]))
+    assert taken(found) == [[[(0, 13 % SIZE), (1, 12 % SIZE), (2, 11 % SIZE), (3, 10 % SIZE)]]]
 
 
 def test_seeds_learn_from_their_own_steps_only() -> None:
@@ -301,7 +310,7 @@ def test_every_finite_space_is_numbered(
     space: Any, observations: Sequence[Sequence[int]], cells: list[int]
 ) -> None:
     found = _on(space)
-    assert found.cells(torch.tensor(observations)).tolist() == cells
+    assert found.cells(np.array(observations)).tolist() == cells
     assert found.q.shape[1] > max(cells)
 
 

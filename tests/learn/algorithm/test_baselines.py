@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import torch
 from gymnasium.spaces import Discrete
-from torch import Tensor
 
 from tests.learn.exact import RING, SIZE, labels_of
 from tests.learn.exact import task as line
@@ -17,7 +16,7 @@ from tiloilc.demos import Demo, DemoSet
 from tiloilc.evaluate.rollout import Arena
 from tiloilc.learn import make_loop
 from tiloilc.learn.agent.continuous import SacAgent
-from tiloilc.learn.agent.steps import in_each_state
+from tiloilc.learn.agent.steps import Trail, in_each_state
 from tiloilc.learn.agent.tabular import TabularAgent
 from tiloilc.learn.algorithm import Episode, Setup
 from tiloilc.learn.algorithm.cycler import CyclER, accepting_cycles, best_cycle
@@ -65,10 +64,16 @@ def batch(
     return Batch(seen, seen, seen, state, letter, over, notes, torch.full(state.shape, shown))
 
 
+def read_from(steps: Batch, *states: int) -> Batch:
+    """The same steps, each read from each of the states."""
+    trail = Trail(steps, steps.state >= 0, steps.state)
+    return in_each_state(trail, torch.tensor(states)).batch
+
+
 def targets(found: Method, steps: Batch, value: float = 5.0) -> list[float]:
     """What each step is worth where every next state is worth `value`."""
     options = torch.from_numpy(WALK.options)[steps.state, steps.letter]
-    worth: Tensor = found.target(steps, options, torch.full(options.shape, value))
+    worth = found.backup(steps, options).best(torch.full(options.shape, value))
     return worth[0].tolist()
 
 
@@ -107,7 +112,7 @@ def test_nothing_comes_after_an_environments_own_end() -> None:
 
 def test_a_counterfactual_step_has_the_reward_of_the_state_it_is_read_from() -> None:
     """Trap 27: the agent was waiting for `right`; from the other state the same step accepts."""
-    read = in_each_state(batch((WAITS, LEFT), kept=[[]]), torch.tensor([WAITS, HALF]))
+    read = read_from(batch((WAITS, LEFT), kept=[[]]), WAITS, HALF)
     assert targets(method("lcer"), read) == pytest.approx([BETWEEN * 5, 1 + GAMMA * 5])
 
 
@@ -145,10 +150,10 @@ def test_a_jump_that_takes_a_step_is_chosen_by_what_comes_then() -> None:
         setup(stay, algorithm="lcer", epsilon="step", accepting_target="live", finite=False)
     )
     options = torch.tensor([[[0, 1]]])
-    worth = found.worth(torch.zeros(1, 1, 1), options, torch.tensor([[[3.0, 5.0]]]))
+    worth = found.worth(torch.zeros(1, 1, 1), options).each(torch.tensor([[[3.0, 5.0]]]))
     assert worth[0, 0].tolist() == pytest.approx([3, 1 + GAMMA * 5])
     step = batch((0, 0))
-    target = found.target(step, options, torch.tensor([[[3.0, 5.0]]]))
+    target = found.backup(step, options).best(torch.tensor([[[3.0, 5.0]]]))
     assert target.item() == pytest.approx(BETWEEN * (1 + GAMMA * 5))
 
 
@@ -245,9 +250,8 @@ def test_each_edge_pays_once_between_two_visits() -> None:
 def test_a_counterfactual_step_pays_by_its_own_edge() -> None:
     found = method("cycler")
     assert isinstance(found, CyclER)
-    read = in_each_state(
-        batch((WAITS, LEFT), (WAITS, LEFT), kept=[[0, 0], [0, 0b10]]), torch.tensor([WAITS, HALF])
-    )
+    steps = batch((WAITS, LEFT), (WAITS, LEFT), kept=[[0, 0], [0, 0b10]])
+    read = read_from(steps, WAITS, HALF)
     options = torch.from_numpy(WALK.options)[read.state, read.letter]
     assert found.extra(read, options)[0, :, 0].tolist() == [0, 0.5, 0, 0]  # 1 → 2 was taken
 
@@ -361,12 +365,14 @@ def test_a_table_learns_demonstrated_steps_once_it_knows_their_actions() -> None
     agent = make_loop(made, demos([0, 1, 2, 3, 4]), labels_of(RING)).agent
     assert isinstance(agent, TabularAgent)
     assert agent.shown is not None
-    assert not any(step.valid.any() for step in agent.shown.backwards())
-    one, two = torch.tensor([[[1.0]]]), torch.tensor([[[2.0]]])
-    agent.shown.see(one, torch.tensor([[2]]), two)
-    known = [step for step in agent.shown.backwards() if step.valid.any()]
-    assert [(s.batch.observation.item(), s.batch.action.item()) for s in known] == [(1, 2)]
-    assert known[0].batch.shown.all()
+    assert not agent.shown.known().valid.any()
+    one, two = np.array([[[1.0]]], np.float32), np.array([[[2.0]]], np.float32)
+    agent.shown.see(one, np.array([[2]]), two)
+    known = agent.shown.known()
+    (at,) = known.valid[0].nonzero()[:, 0].tolist()
+    assert (known.batch.observation[0, at].item(), known.batch.action[0, at].item()) == (1, 2)
+    assert known.age[0, at] == 2  # two steps come after it
+    assert known.batch.shown.all()
 
 
 def test_recorded_actions_need_not_be_found_out() -> None:
@@ -375,9 +381,9 @@ def test_recorded_actions_need_not_be_found_out() -> None:
     agent = make_loop(made, shown, labels_of(RING)).agent
     assert isinstance(agent, TabularAgent)
     assert agent.shown is not None
-    steps = agent.shown.backwards()
-    assert [s.batch.action.item() for s in steps] == [2, 2]
-    assert all(s.valid.all() for s in steps)
+    known = agent.shown.known()
+    assert known.batch.action.tolist() == [[2, 2]]
+    assert known.valid.all()
 
 
 # held back until judged

@@ -10,11 +10,11 @@ import pytest
 import torch
 from torch import tensor
 
-from tests.learn.examples import generator, settings
+from tests.learn.examples import generator, settings, steps
 from tests.plan.automata import disjunction, flatworld_cycle, response, stabilization
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.evaluate.metrics import eventual_return
-from tiloilc.learn.algorithm.tiloil import StageTable, stage_reward, tiloil_target
+from tiloilc.learn.algorithm.tiloil import StageTable, stage_reward, tiloil_backup
 from tiloilc.learn.engine.sac import SoftActorCritic
 from tiloilc.plan import max_stage, stage_plan
 from tiloilc.plan.stages import stage_graph
@@ -59,10 +59,9 @@ def test_equation_4_outside_acceptance_with_its_entropy_term() -> None:
     value = agent.soft_value(x, agent.sample(x, torch.zeros(1, 1, 1)))
     assert value.item() == pytest.approx(1.8837877, abs=1e-6)
     table = StageTable.of(stage_plan(CYCLE), walk_tables(CYCLE), given)
-    alive = tensor([[False]])
-    y = tiloil_target(
-        table, tensor([[0]]), tensor([[0.5]]), tensor([[[1]]]), value[..., None], alive, given
-    )
+    step = steps(tensor([[0]]), tensor([[False]]))
+    backup = tiloil_backup(table, step, tensor([[[1]]]), tensor([[0.5]]), given)
+    y = backup.best(value[..., None])
     assert y.item() == pytest.approx(2.1954089, abs=1e-6)
 
 
@@ -70,8 +69,8 @@ def test_equation_4_at_acceptance_is_the_sum_of_all_ones() -> None:
     """1 / (1 − 0.99) = 100, whatever the reward and whatever comes."""
     given = settings(preset="paper")
     table = StageTable.of(stage_plan(CYCLE), walk_tables(CYCLE), given)
-    one, alive = tensor([[7.0]]), tensor([[False]])
-    y = tiloil_target(table, tensor([[3]]), one, tensor([[[0]]]), one[..., None], alive, given)
+    one, step = tensor([[7.0]]), steps(tensor([[3]]), tensor([[False]]))
+    y = tiloil_backup(table, step, tensor([[[0]]]), one, given).best(one[..., None])
     assert y.item() == pytest.approx(100)
 
 

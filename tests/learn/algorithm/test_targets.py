@@ -5,10 +5,10 @@ import pytest
 import torch
 from torch import Tensor, tensor
 
-from tests.learn.examples import settings
+from tests.learn.examples import settings, steps
 from tests.plan.automata import chain, flatworld_cycle, response, stabilization
 from tiloilc.automaton.ldba import Ldba
-from tiloilc.learn.algorithm.tiloil import StageTable, option_values, stage_reward, tiloil_target
+from tiloilc.learn.algorithm.tiloil import StageTable, option_values, stage_reward, tiloil_backup
 from tiloilc.plan import stage_plan
 from tiloilc.product import walk_tables
 from tiloilc.spec.settings import Settings
@@ -35,16 +35,15 @@ def target(
 ) -> float:
     """The target of one transition from b = `state` to the best of `options`."""
     table = StageTable.of(stage_plan(ldba), walk_tables(ldba), given)
-    found = tiloil_target(
+    backup = tiloil_backup(
         table,
-        tensor([[state]]),
-        tensor([[reward]]),
+        steps(tensor([[state]]), tensor([[terminal]])),
         tensor([[options]]),
-        tensor([[values]]),
-        tensor([[terminal]]),
+        tensor([[reward]]),
         given,
         None if wait is None else tensor([[wait]]),
     )
+    found = backup.best(tensor([[values]]))
     assert found.shape == (1, 1)
     return found.item()
 
@@ -107,8 +106,8 @@ def test_the_best_option_counts() -> None:
 def test_option_values_are_exact_only_where_told() -> None:
     table = StageTable.of(stage_plan(CYCLE), walk_tables(CYCLE), paper())
     options, soft = tensor([[[0, 3, 4]]]), tensor([[[1.0, 2.0, 3.0]]])
-    assert option_values(table, options, soft, paper()).tolist() == [[[1, 2, 3]]]
-    exact = option_values(table, options, soft, paper(exact_entry=True))
+    assert option_values(table, options, paper()).each(soft).tolist() == [[[1, 2, 3]]]
+    exact = option_values(table, options, paper(exact_entry=True)).each(soft)
     assert exact.flatten().tolist() == pytest.approx([1, MOST, LOST])
 
 
@@ -261,7 +260,7 @@ def test_seeds_and_rows_are_independent() -> None:
         torch.from_numpy(rng.normal(size=(*shape, 2))),
     )
     terminal = torch.from_numpy(rng.random(shape) < 0.3)
-    together = tiloil_target(table, state, pay, options, soft, terminal, given)
+    together = tiloil_backup(table, steps(state, terminal), options, pay, given).best(soft)
     for i in range(3):
         for j in range(7):
             alone = target(

@@ -111,8 +111,7 @@ class SacAgent:
         seen = torch.from_numpy(observations).to(device)
         x = self._encode_options(seen, offered)
         value = self.sac.greedy_value(x) if greedy else self.sac.soft_value(x)
-        value = value.view_as(offered)
-        value = self.method.worth(seen, offered, value)
+        value = self.method.worth(seen, offered).each(value.view_as(offered))
         if not greedy:
             noise = torch.rand(value.shape, generator=self.generator, device=device)
             alpha = self.sac.log_alpha.exp()[:, None, None]
@@ -215,7 +214,7 @@ class SacAgent:
             drawn.rows(slice(arrived.shape[1], None)),
         )
         value = self.sac.soft_value(arrived, later).view_as(options)
-        target = self.method.target(batch, options, value)
+        target = self.method.backup(batch, options).best(value)
         losses["critic"] = self.sac.update_critics(x, batch.action, target)
         imitated = None
         if chance.shown is not None and self.settings.warm_start != "none":

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import torch
-from torch import Tensor
 
 from tiloilc.learn.agent.shown import Shown
-from tiloilc.learn.agent.steps import Steps
+from tiloilc.learn.agent.steps import Trail
 from tiloilc.learn.engine.cells import Cells
 from tiloilc.learn.engine.replay import Batch
-from tiloilc.product import Floats
+from tiloilc.product import Floats, Int
 
 
 class ShownSteps:
@@ -29,46 +30,48 @@ class ShownSteps:
         self.cells = cells
         self.leads = torch.full((seeds, cells.count, actions), -1)
         self.seed = torch.arange(seeds)[:, None]
-        self.longest = max(shown.lengths)
-        action = (
-            np.full((len(shown.state), 1), -1) if shown.action is None else shown.action - first
+        action = np.full(len(shown.state), -1)
+        if shown.action is not None:
+            action = shown.action.reshape(-1).astype(np.int64) - first
+        self.trail = shown_trail(shown, action, kept, seeds)
+        self.before, self.after = (
+            torch.from_numpy(cells(seen.numpy()))
+            for seen in (self.trail.batch.observation, self.trail.batch.next_observation)
         )
-        self.action = self._side_by_side(shown, action).squeeze(-1).long()
-        self.observation = self._side_by_side(shown, shown.observation)
-        self.after = self._side_by_side(shown, shown.next_observation)
-        self.state = self._side_by_side(shown, shown.state)
-        self.letter = self._side_by_side(shown, shown.letter)
-        self.kept = self._side_by_side(shown, kept)
-        self.valid = self._side_by_side(shown, np.ones(len(shown.state), dtype=np.bool_))
 
-    def see(self, observation: Tensor, action: Tensor, after: Tensor) -> None:
+    def see(self, observation: Floats, action: Int, after: Floats) -> None:
         """Remember where the agents' actions [seed, copy] led."""
-        self.leads[self.seed, self.cells(observation), action] = self.cells(after)
+        before, to = (torch.from_numpy(self.cells(seen)) for seen in (observation, after))
+        self.leads[self.seed, before, torch.from_numpy(action)] = to
 
-    def backwards(self) -> list[Steps]:
-        """The steps [seed, demonstration], the last ones first; those known are valid."""
-        return [self._step(t) for t in reversed(range(self.longest))]
+    def known(self) -> Trail:
+        """The steps [seed, n] of all demonstrations; those whose action is known are valid."""
+        trail = self.trail
+        leads = self.leads[self.seed, self.before] == self.after[..., None]
+        told = trail.batch.action >= 0
+        action = torch.where(told, trail.batch.action, leads.int().argmax(-1))
+        return Trail(replace(trail.batch, action=action), told | leads.any(-1), trail.age)
 
-    def _step(self, t: int) -> Steps:
-        seeds, shown = len(self.leads), self.state.shape[0]
-        observation, after = (
-            rows[:, t].expand(seeds, -1, -1) for rows in (self.observation, self.after)
-        )
-        leads = self.leads[self.seed, self.cells(observation)] == self.cells(after)[..., None]
-        action = self.action[:, t].expand(seeds, -1)
-        known = self.valid[:, t] & ((action >= 0) | leads.any(-1))
-        action = torch.where(action >= 0, action, leads.int().argmax(-1))
-        state, letter = (rows[:, t].expand(seeds, -1) for rows in (self.state, self.letter))
-        kept = self.kept[:, t].expand(seeds, -1, -1)
-        never = torch.zeros(seeds, shown, dtype=torch.bool)
-        batch = Batch(observation, action, after, state, letter, never, kept, ~never)
-        return Steps(batch, known, state)
 
-    def _side_by_side(self, shown: Shown, rows: np.ndarray) -> Tensor:
-        """Rows [n, …] of all demonstrations as [demonstration, step, …], filled up with zeros."""
-        padded = np.zeros((len(shown.lengths), self.longest, *rows.shape[1:]), dtype=rows.dtype)
-        first = 0
-        for place, length in zip(padded, shown.lengths, strict=True):
-            place[:length] = rows[first : first + length]
-            first += length
-        return torch.from_numpy(padded)
+def shown_trail(shown: Shown, action: Int, kept: Floats, seeds: int) -> Trail:
+    """All steps of all demonstrations, for each of the seeds: [seed, n].
+
+    `action` [n] are columns of the table, `kept` [n, columns] is what the algorithm keeps.
+    """
+    n = len(shown.state)
+    everywhere = np.ones(n, dtype=np.bool_)
+    age = np.concatenate([np.arange(length)[::-1] for length in shown.lengths])
+    parts = (
+        shown.observation,
+        action,
+        shown.next_observation,
+        shown.state,
+        shown.letter,
+        ~everywhere,
+        kept,
+        everywhere,
+        everywhere,
+        age,
+    )
+    *batch, valid, ages = (torch.from_numpy(part).expand(seeds, *part.shape) for part in parts)
+    return Trail(Batch(*batch), valid, ages)

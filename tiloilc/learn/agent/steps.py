@@ -1,56 +1,137 @@
-"""Steps of all copies at once, as tables learn them."""
+"""Steps as tables keep and learn them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
+from tiloilc.learn.algorithm.method import Episode, Method
 from tiloilc.learn.engine.replay import Batch
-from tiloilc.learn.engine.state import State
+from tiloilc.learn.engine.state import State, under, with_prefix
+from tiloilc.product import Floats, Int
 
 
 @dataclass(frozen=True, slots=True)
-class Steps:
-    """One step of every copy, [seed, copy], and the automaton states b' in which it arrived.
+class Trail:
+    """Steps [seed, n], of which the `valid` ones are learned, those of least `age` first.
 
-    `valid` says which copies it belongs to. Actions are columns of the table.
+    The age is how many steps came after it. Actions are columns of the table.
     """
 
     batch: Batch
     valid: Tensor
-    arrived: Tensor
+    age: Tensor
 
 
-def in_each_state(batch: Batch, states: Tensor) -> Batch:
+class Recent:
+    """The last steps of every copy, [step, seed, copy, …]: as many as an episode has at most."""
+
+    def __init__(self, horizon: int, columns: int) -> None:
+        self.horizon, self.kept = horizon, columns
+        self.rows: dict[str, NDArray[Any]] = {}
+        self.taken = 0
+
+    def add(
+        self,
+        observation: Floats,
+        action: Int,
+        after: Floats,
+        state: Int,
+        letter: Int,
+        terminal: NDArray[np.bool_],
+        arrived: Int,
+    ) -> None:
+        """Keep one step of each copy, [seed, copy, …]."""
+        step = (observation, action, after, state, letter, terminal, arrived)
+        for name, column in zip(_ROWS, step, strict=True):
+            if name not in self.rows:
+                self.rows[name] = np.zeros((self.horizon, *column.shape), dtype=column.dtype)
+            self.rows[name][self.taken % self.horizon] = column
+        self.taken += 1
+
+    def last(self) -> Trail:
+        """The latest step of each copy; what the algorithm keeps of it is not known yet."""
+        valid = np.ones(self._last(1, "state").shape, dtype=np.bool_)
+        return self._trail(np.zeros((*valid.shape, self.kept), dtype=np.float32), valid)
+
+    def episodes(self, method: Method, over: NDArray[np.bool_], length: Int) -> Trail:
+        """The episodes of the copies in `over`, of `length` steps; `method` judges them."""
+        steps = int(length[over].max())
+        kept = np.zeros((steps, *over.shape, self.kept), dtype=np.float32)
+        if self.kept:
+            after, state, arrived = (self._last(steps, n) for n in ("after", "state", "arrived"))
+            for seed, copy in np.argwhere(over):
+                mine = slice(steps - int(length[seed, copy]), None), seed, copy
+                kept[mine] = method.judge(Episode(after[mine], state[mine], arrived[mine]))
+        age = np.arange(steps)[::-1, None, None]
+        return self._trail(kept, over & (age < length))
+
+    def _trail(self, kept: Floats, valid: NDArray[np.bool_]) -> Trail:
+        """As many of the last steps as `kept` and `valid` [step, seed, copy] are of."""
+        steps, _, copies = valid.shape
+        columns = [self._last(steps, name) for name in _ROWS[:-1]]
+        shown = np.zeros_like(valid)
+        parts = [_by_seed(rows) for rows in (*columns, kept, shown, valid)]
+        age = torch.arange(steps - 1, -1, -1).repeat_interleave(copies)
+        return Trail(Batch(*parts[:-1]), parts[-1], age.expand(parts[-1].shape))
+
+    def _last(self, steps: int, name: str) -> NDArray[Any]:
+        at = np.arange(self.taken - steps, self.taken) % self.horizon
+        return self.rows[name][at]
+
+    def state(self) -> State:
+        """All of it."""
+        rows = {name: torch.from_numpy(rows.copy()) for name, rows in self.rows.items()}
+        return {**rows, "taken": torch.tensor(self.taken)}
+
+    def load(self, state: State) -> None:
+        """Take what `state` gave."""
+        self.taken = int(state["taken"])
+        self.rows = {name: state[name].numpy().copy() for name in _ROWS if name in state}
+
+
+_ROWS = ("observation", "action", "after", "state", "letter", "terminal", "arrived")
+
+
+def _by_seed(rows: NDArray[Any]) -> Tensor:
+    """Rows [step, seed, copy, …] as [seed, step · copy, …]."""
+    moved = np.ascontiguousarray(rows.swapaxes(0, 1))
+    return torch.from_numpy(moved).flatten(1, 2)
+
+
+def in_each_state(trail: Trail, states: Tensor) -> Trail:
     """Each step [seed, n] read from each of `states` [k] instead: [seed, n · k]."""
-    k = len(states)
-    parts = {f.name: repeated(getattr(batch, f.name), k) for f in fields(Batch)}
-    seeds, n = batch.state.shape
-    return Batch(**{**parts, "state": states.repeat(seeds, n)})
+    k, (seeds, n) = len(states), trail.age.shape
+    parts = {f.name: _repeated(getattr(trail.batch, f.name), k) for f in fields(Batch)}
+    batch = Batch(**{**parts, "state": states.repeat(seeds, n)})
+    return Trail(batch, _repeated(trail.valid, k), _repeated(trail.age, k))
 
 
-def repeated(rows: Tensor, times: int) -> Tensor:
+def _repeated(rows: Tensor, times: int) -> Tensor:
     """Each of the rows [seed, n, …] so many times in turn, [seed, n · times, …]."""
-    return rows.unsqueeze(2).expand(-1, -1, times, *rows.shape[2:]).flatten(1, 2)
+    return torch.from_numpy(rows.numpy().repeat(times, axis=1))
 
 
-def stacked(steps: list[Steps]) -> State:
-    """Steps as one tensor for each of their parts."""
-    if not steps:
-        return {}
-    names = [f.name for f in fields(Batch)]
-    batch = {name: torch.stack([getattr(s.batch, name) for s in steps]) for name in names}
-    rest = {name: torch.stack([getattr(s, name) for s in steps]) for name in ("valid", "arrived")}
-    return {**batch, **rest}
+def trails_state(trails: Sequence[Trail]) -> State:
+    """Trails as tensors, by number."""
+    parts: State = {}
+    for number, trail in enumerate(trails):
+        batch = {f.name: getattr(trail.batch, f.name) for f in fields(Batch)}
+        parts |= with_prefix(str(number), {**batch, "valid": trail.valid, "age": trail.age})
+    return parts
 
 
-def unstacked(state: State) -> list[Steps]:
-    """The steps that `stacked` was given."""
-    if not state:
-        return []
-    parts = [state[f.name].unbind() for f in fields(Batch)]
-    batches = [Batch(*batch) for batch in zip(*parts, strict=True)]
-    rest = (state["valid"].unbind(), state["arrived"].unbind())
-    return [Steps(*step) for step in zip(batches, *rest, strict=True)]
+def trails_of(state: State) -> list[Trail]:
+    """The trails that `trails_state` was given."""
+    numbers = sorted({int(name.split(".")[0]) for name in state})
+    each = [under(str(number), state) for number in numbers]
+    return [
+        Trail(Batch(*(parts[f.name] for f in fields(Batch))), parts["valid"], parts["age"])
+        for parts in each
+    ]

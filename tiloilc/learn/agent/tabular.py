@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from tiloilc.learn.agent.shown import Shown, judged_demonstrations
-from tiloilc.learn.agent.shown_steps import ShownSteps
-from tiloilc.learn.agent.steps import Steps, in_each_state, repeated, stacked, unstacked
-from tiloilc.learn.algorithm.method import Episode, Setup, make_method, rewards_of
+from tiloilc.learn.agent.shown_steps import ShownSteps, shown_trail
+from tiloilc.learn.agent.steps import Recent, Trail, in_each_state, trails_of, trails_state
+from tiloilc.learn.agent.turns import Turns
+from tiloilc.learn.algorithm.method import Backup, Setup, make_method, rewards_of
 from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.cells import Cells
 from tiloilc.learn.engine.replay import Batch
@@ -68,37 +69,37 @@ class TabularAgent:
         self.alpha = torch.full((settings.seeds,), 1.0 if self.tuned else alpha)
         live = [b for b in range(walk.states) if b != walk.sink]
         self.live = self.code[live].unique()
-        self.options = torch.from_numpy(walk.options)
+        self.rows = self.cells.count * walk.states  # of each seed
         self.floor = self._demonstrated_values(shown)
-        bounded = bool(self.floor.isfinite().any())
+        self.bounded = bool(self.floor.isfinite().any())
         self.shown = None
-        if settings.demo_replay > 0 and shown.lengths and not bounded:
-            kept, numbers = (
-                judged_demonstrations(self.method, shown),
-                (settings.seeds, self.actions),
-            )
-            self.shown = ShownSteps(shown, kept, self.cells, *numbers, self.first_action)
-        optimistic = not bounded if settings.optimistic == "auto" else settings.optimistic
+        if settings.demo_replay > 0 and shown.lengths and not self.bounded:
+            kept = judged_demonstrations(self.method, shown)
+            numbers = (settings.seeds, self.actions, self.first_action)
+            self.shown = ShownSteps(shown, kept, self.cells, *numbers)
+        optimistic = not self.bounded if settings.optimistic == "auto" else settings.optimistic
         first = 1 / (1 - settings.gamma) if optimistic else 0.0
         shape = (settings.seeds, self.cells.count, walk.states, self.actions)
         self.q = torch.full(shape, first)
-        self.seed = torch.arange(settings.seeds)[:, None]
-        self.open: list[Steps] = []
-        self.closed: list[Steps] = []
+        self.table: Floats = self.q.view(-1, self.actions).numpy()  # the same numbers by row
+        self.recent = Recent(horizon, self.method.columns)
+        self.closed: list[Trail] = []
 
     def act(self, observations: Floats, states: Int, greedy: bool) -> Int:
         """The action of greatest value, ties at random; while learning sometimes any action."""
-        values = self.q[self.seed, self.cells(torch.from_numpy(observations)), self.code[states]]
+        values = self.table[self._row(observations, states)]
         if greedy:
-            return values.argmax(-1).numpy() + self.first_action
+            return np.asarray(values.argmax(-1) + self.first_action)
         noise = torch.rand(values.shape, generator=self.generator)
-        best = torch.where(values == values.amax(-1, keepdim=True), noise, -1.0).argmax(-1)
         if self.soft:  # the greatest Q + α · Gumbel is drawn from π
             gumbel = -(-noise.clamp(1e-9, 1 - 1e-7).log()).log()
-            best = (values + self.alpha[:, None, None] * gumbel).argmax(-1)
+            best = (values + self.alpha[:, None, None].numpy() * gumbel.numpy()).argmax(-1)
+        else:
+            ties = values == values.max(-1, keepdims=True)
+            best = np.where(ties, noise.numpy(), -1.0).argmax(-1)
         anything = torch.randint(self.actions, best.shape, generator=self.generator)
         stray = torch.rand(best.shape, generator=self.generator) < self.exploration
-        return torch.where(stray, anything, best).numpy() + self.first_action
+        return np.where(stray.numpy(), anything.numpy(), best) + self.first_action
 
     def explore(self, rng: np.random.Generator, shape: tuple[int, int]) -> Int:
         """Uniformly random actions."""
@@ -107,9 +108,9 @@ class TabularAgent:
     def choose(self, observations: Floats, options: Int, greedy: bool) -> Int:
         """The option of greatest value."""
         offered, seen = torch.from_numpy(options), torch.from_numpy(observations)
-        value = self._value(self.cells(seen)[..., None], offered)
-        value = self.method.worth(seen, offered, value)
-        return offered.gather(-1, value.argmax(-1, keepdim=True)).squeeze(-1).numpy()
+        value = torch.from_numpy(self._value(self._row(observations, options)))
+        worth = self.method.worth(seen, offered).each(value)
+        return offered.gather(-1, worth.argmax(-1, keepdim=True)).squeeze(-1).numpy()
 
     def record(
         self,
@@ -122,41 +123,16 @@ class TabularAgent:
         arrived: Int,
     ) -> None:
         """Keep one step of each copy until its episode ends."""
-        columns = (observation, action - self.first_action, after, state, letter, terminal, arrived)
-        *parts, to = (torch.from_numpy(np.ascontiguousarray(column)) for column in columns)
-        everyone = torch.ones(state.shape, dtype=torch.bool)
-        parts += [torch.zeros(*state.shape, self.method.columns), ~everyone]
-        self.open.append(Steps(Batch(*parts), everyone, to))
+        column = action - self.first_action
+        self.recent.add(observation, column, after, state, letter, terminal, arrived)
         self.method.see(after, state, arrived)
         if self.shown is not None:
-            self.shown.see(*parts[:3])
+            self.shown.see(observation, column, after)
 
     def finish(self, over: NDArray[np.bool_], length: Int) -> None:
         """The episodes of the copies in `over` [seed, copy] ended after `length` steps."""
-        ended = torch.from_numpy(over)
-        if not over.any():
-            return
-        longest = int(length[over].max())
-        steps = self.open[-longest:]
-        if self.method.columns:
-            self._judge(over, length)
-        age = torch.from_numpy(length)
-        self.closed += [
-            replace(step, valid=ended & (age > k)) for k, step in enumerate(reversed(steps))
-        ]
-        running = int(length[~over].max(initial=0))
-        self.open = self.open[len(self.open) - running :]
-
-    def _judge(self, over: NDArray[np.bool_], length: Int) -> None:
-        """Have the algorithm judge the episodes that ended."""
-        for seed, copy in np.argwhere(over):
-            steps = self.open[len(self.open) - int(length[seed, copy]) :]
-            after = torch.stack([step.batch.next_observation[seed, copy] for step in steps])
-            state = torch.stack([step.batch.state[seed, copy] for step in steps])
-            arrived = torch.stack([step.arrived[seed, copy] for step in steps])
-            kept = self.method.judge(Episode(after.numpy(), state.numpy(), arrived.numpy()))
-            for step, row in zip(steps, torch.from_numpy(kept), strict=True):
-                step.batch.kept[seed, copy] = row
+        if over.any():
+            self.closed.append(self.recent.episodes(self.method, over, length))
 
     def segment(self, seed: int, buffer: int, observations: Floats) -> None:
         """Take in a finished segment's states."""
@@ -168,14 +144,13 @@ class TabularAgent:
 
     def learn(self, progress: float) -> dict[str, Tensor]:
         """Learn the latest step, or backwards the episodes that it ended; how far Q moved."""
-        steps, losses = self.open[-1:], dict[str, Tensor]()
-        if self.method.columns:  # what is open is not judged yet
-            steps = []
+        losses = dict[str, Tensor]()
+        trails = [] if self.method.columns else [self.recent.last()]  # if judged, then when over
         if self.closed:
             losses = self.method.learn(self.method.draw())
-            steps, self.closed = self.closed, []
-            steps += self.shown.backwards() if self.shown is not None else []
-        moved = [self._learn_step(step) for step in steps]
+            trails, self.closed = self.closed, []
+            trails += [self.shown.known()] if self.shown is not None else []
+        moved = [self._learn(trail) for trail in trails]
         return {**losses, "change": torch.stack(moved).mean(0)} if moved else losses
 
     def policy(self) -> State:
@@ -186,8 +161,8 @@ class TabularAgent:
     def fixed(self) -> State:
         """How cells are numbered, and what is known of cells and automaton states."""
         return {
-            "low": self.cells.low,
-            "sizes": self.cells.sizes,
+            "low": torch.from_numpy(self.cells.low),
+            "sizes": torch.from_numpy(self.cells.sizes),
             "first_action": torch.tensor(self.first_action),
             "code": self.code,
             "entry": self.method.known(),
@@ -215,8 +190,8 @@ class TabularAgent:
             **self.policy(),
             **with_prefix("method", self.method.state()),
             "generator": self.generator.get_state(),
-            **with_prefix("open", stacked(self.open)),
-            **with_prefix("closed", stacked(self.closed)),
+            **with_prefix("recent", self.recent.state()),
+            **with_prefix("closed", trails_state(self.closed)),
         }
         if self.shown is not None:
             state["leads"] = self.shown.leads
@@ -228,48 +203,73 @@ class TabularAgent:
         self.alpha.copy_(state["alpha"])
         self.method.load(under("method", state))
         self.generator.set_state(state["generator"])
-        self.open = unstacked(under("open", state))
-        self.closed = unstacked(under("closed", state))
+        self.recent.load(under("recent", state))
+        self.closed = trails_of(under("closed", state))
         if self.shown is not None:
             self.shown.leads.copy_(state["leads"])
 
-    def _learn_step(self, step: Steps) -> Tensor:
-        """Move Q towards the algorithm's target for one step of each copy that has it."""
-        s, batch, valid = self.settings, step.batch, step.valid
-        if s.relabel:
-            batch = in_each_state(batch, self.live)
-            valid = repeated(valid, len(self.live))
-        options = self.options[batch.state, batch.letter]
-        value = self._value(self.cells(batch.next_observation)[..., None], options)
-        target = self.method.target(batch, options, value)
-        row = (self.seed, self.cells(batch.observation), self.code[batch.state])
-        at = (*row, batch.action)
-        gap = torch.where(valid, s.learning_rate * (target - self.q[at]), 0.0)
-        if valid.all():
-            self.q[at] += gap
-        else:
-            self.q[tuple(index.expand_as(valid)[valid] for index in at)] += gap[valid]
-        if self.tuned:
-            self._tune(self.q[row], valid)
-        return gap.abs().view(*step.valid.shape, -1).mean(-1).sum(1)
+    def _learn(self, trail: Trail) -> Tensor:
+        """Move Q towards the algorithm's target, turn by turn; the mean distance by seed."""
+        if self.settings.relabel:
+            trail = in_each_state(trail, self.live)
+        options = self._options(trail.batch)
+        turns = self._turns(trail, options, self.method.backup(trail.batch, options))
+        entries, gaps = self.table.reshape(-1), np.zeros(len(turns.at), dtype=np.float32)
+        for turn in turns:
+            at = turns.at[turn]
+            before = entries[at]
+            target = turns.worth(turn, self._value(turns.after[turn]))
+            gaps[turn] = self.settings.learning_rate * (target - before)
+            entries[at] = before + gaps[turn]
+            if self.tuned:
+                self._tune(at // self.actions)
+        seed, seeds = turns.at // (self.rows * self.actions), self.settings.seeds
+        number = np.bincount(seed, minlength=seeds).clip(min=1)
+        return torch.from_numpy(np.bincount(seed, np.abs(gaps), minlength=seeds) / number)
 
-    def _value(self, cell: Tensor, state: Tensor) -> Tensor:
-        """V(s, b) [seed, n, K] of s [seed, n, 1] and b, no less than what demonstrations show."""
-        arrived = self.code[state]
-        q = self.q[self.seed[..., None], cell, arrived]
-        if not self.soft:
-            return q.amax(-1).maximum(self.floor[cell, arrived])
-        alpha = self.alpha[:, None, None]
-        soft = alpha * (q / alpha.clamp(min=1e-30)[..., None]).logsumexp(-1)
-        return torch.where(alpha > 0, soft, q.amax(-1)).maximum(self.floor[cell, arrived])
+    def _options(self, batch: Batch) -> Tensor:
+        """Where the automaton may be after each step, [seed, n, K]."""
+        return torch.from_numpy(self.walk.options[batch.state.numpy(), batch.letter.numpy()])
 
-    def _tune(self, q: Tensor, valid: Tensor) -> None:
-        """Move each seed's α by how far π's entropy is from its target; q is [seed, n, A]."""
-        log_pi = (q / self.alpha[:, None, None]).log_softmax(-1)
-        missing = self.settings.target_entropy + (log_pi.exp() * log_pi).sum(-1)
-        gap = (missing * valid).sum(1) / valid.sum(1).clamp(min=1)
+    def _turns(self, trail: Trail, options: Tensor, backup: Backup) -> Turns:
+        batch = trail.batch
+        row = self._row(batch.observation.numpy(), batch.state.numpy())
+        after = self._row(batch.next_observation.numpy(), options.numpy())
+        at = row * self.actions + batch.action.numpy()
+        return Turns.of(at, after, backup, trail.valid.numpy(), trail.age.numpy())
+
+    def _row(self, observations: Floats, states: Int) -> Int:
+        """The rows of the table of s [seed, n, d] and b [seed, n] or [seed, n, K]."""
+        first = self.rows * np.arange(len(observations))[:, None]
+        cell = first + self.walk.states * self.cells(observations)
+        row: Int = cell.reshape(*cell.shape, *[1] * (states.ndim - 2)) + self.code.numpy()[states]
+        return row
+
+    def _value(self, row: Int) -> Floats:
+        """V(s, b) of rows [...], no less than what demonstrations show."""
+        q = self.table[row]
+        value: Floats = q.max(-1)
+        if self.soft:
+            alpha = self.alpha.numpy()[row // self.rows]
+            spread = np.exp((q - value[..., None]) / alpha.clip(min=1e-20)[..., None]).sum(-1)
+            value = value + alpha * np.log(spread)
+        if self.bounded:
+            value = np.maximum(value, self.floor.numpy().reshape(-1)[row % self.rows])
+        return value
+
+    def _tune(self, row: Int) -> None:
+        """Move each seed's α by how far π's entropy in these rows is from its target."""
+        seeds = self.settings.seeds
+        seed = row // self.rows
+        q = self.table[row] / self.alpha.numpy()[seed][:, None]
+        log_pi = q - q.max(-1, keepdims=True)
+        log_pi -= np.log(np.exp(log_pi).sum(-1, keepdims=True))
+        missing = self.settings.target_entropy + (np.exp(log_pi) * log_pi).sum(-1)
+        number = np.bincount(seed, minlength=seeds).clip(min=1)
+        gap = np.bincount(seed, missing, minlength=seeds) / number
         limit = 1 / (1 - self.settings.gamma)
-        self.alpha.mul_((self.settings.critic_rate * gap).exp()).clamp_(1e-6, limit)
+        factor = torch.from_numpy(np.exp(self.settings.critic_rate * gap))
+        self.alpha.mul_(factor).clamp_(1e-6, limit)
 
     def _demonstrated_values(self, shown: Shown) -> Tensor:
         """What demonstrated states are worth at least, [cell, automaton state].
@@ -279,21 +279,22 @@ class TabularAgent:
         value where the environment is deterministic.
         """
         floor = torch.full((self.cells.count, self.walk.states), -torch.inf)
-        if self.settings.demo_replay == 0:
+        if self.settings.demo_replay == 0 or not shown.lengths:
             return floor
-        none = torch.zeros(1, 1, dtype=torch.long)
-        for t in reversed(range(len(shown.observation))):
-            seen = torch.from_numpy(shown.observation[t])[None, None]
-            after = torch.from_numpy(shown.next_observation[t])[None, None]
-            letter = none + int(shown.letter[t])
-            never, kept = none > 0, torch.zeros(1, 1, self.method.columns)
-            batch = Batch(seen, none, after, none, letter, never, kept, ~never)
-            batch = in_each_state(batch, self.live)
-            options = self.options[batch.state, batch.letter]
-            value = floor[self.cells(batch.next_observation)[..., None], self.code[options]]
-            least = self.method.least(batch, options, value)
-            if least is None:
-                return floor
-            at = (self.cells(batch.observation), self.code[batch.state])
-            floor[at] = floor[at].maximum(least)
+        n = len(shown.state)
+        kept = np.zeros((n, self.method.columns), dtype=np.float32)
+        steps = shown_trail(shown, np.zeros(n, dtype=np.int64), kept, 1)
+        in_turn = torch.arange(n - 1, -1, -1)[None]  # one demonstration adds to another's bounds
+        trail = in_each_state(replace(steps, age=in_turn), self.live)
+        options = self._options(trail.batch)
+        least = self.method.least(trail.batch, options)
+        if least is None:
+            return floor
+        bounds = floor.view(-1).numpy()
+        turns = self._turns(trail, options, least)
+        for turn in turns:
+            row = turns.at[turn] // self.actions
+            asked = turns.discount[turn] != 0  # what is exact does not ask for V, -inf or not
+            worth = turns.worth(turn, np.where(asked, bounds[turns.after[turn]], 0.0))
+            bounds[row] = np.maximum(bounds[row], worth)
         return floor

@@ -5,15 +5,16 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from tiloilc.learn.algorithm.method import Plain, Setup
+from tiloilc.learn.algorithm.method import Backup, Plain, Setup
 from tiloilc.learn.engine.replay import Batch
 
 
 class Arrivals(Plain):
     """A method whose target is r + Γ · V(s', b') of the best option b'.
 
-    `doomed` says whether the method knows that a sink is worth nothing: then V is 0 there, else it
-    is learned as elsewhere.
+    r is of the state arrived in, `pays` [states], and so is Γ, `discounts` [states]; what else a
+    step pays is `extra`. `doomed` says whether the method knows that a sink is worth nothing: then
+    V does not count there, else it is learned as elsewhere.
     """
 
     doomed = True
@@ -22,36 +23,38 @@ class Arrivals(Plain):
         super().__init__(setup)
         device = setup.generator.device
         self.accepting = torch.from_numpy(setup.walk.accepting).to(device)
-        self.sink = torch.arange(setup.walk.states, device=device) == setup.walk.sink
+        sink = torch.arange(setup.walk.states, device=device) == setup.walk.sink
+        self.alive = ~sink if self.doomed else torch.ones_like(sink)
+        self.pays = torch.zeros(setup.walk.states, device=device)
+        self.discounts = self.alive * self.settings.gamma
 
-    def arrive(self, options: Tensor) -> tuple[Tensor, Tensor]:
+    def arrive(self, options: Tensor) -> Backup:
         """What arriving in each option [seed, n, K] pays, and the discount Γ of what comes then."""
-        ones = torch.ones(options.shape, device=options.device)
-        return 0 * ones, self.settings.gamma * ones
+        return Backup(self.pays[options], self.discounts[options])
 
     def extra(self, batch: Batch, options: Tensor) -> Tensor:
         """What else a step pays, [seed, n, K] or [seed, n, 1]: by where it began, for instance."""
         return torch.zeros((*batch.state.shape, 1), device=options.device)
 
-    def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
-        """r + Γ · V(s', b'), [seed, n]; nothing comes after an environment's own end."""
-        if self.walk.costly:  # to jump is a matter of the next step
-            value = self.worth(batch.next_observation, options, value).amax(-1, keepdim=True)
-            options = options[..., :1]
-        reward, discount = self.arrive(options)
-        later = self._live(options, value).masked_fill(batch.terminal[..., None], 0.0)
-        return (reward + self.extra(batch, options) + discount * later).amax(-1)
+    def backup(self, batch: Batch, options: Tensor) -> Backup:
+        """r + Γ · V(s', b'); nothing comes after an environment's own end."""
+        costly = self.walk.costly  # to jump is a matter of the next step
+        arrived = options[..., :1] if costly else options
+        now = self.arrive(arrived)
+        pay = now.pay + self.extra(batch, arrived)
+        discount = now.discount * ~batch.terminal[..., None]
+        if not costly:
+            return Backup(pay, discount)
+        then = self.worth(batch.next_observation, options)
+        return Backup(pay + discount * then.pay, discount * then.discount)
 
-    def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
+    def worth(self, observation: Tensor, options: Tensor) -> Backup:
         """The same, as far as it depends on the option."""
-        reward, discount = self.arrive(options)
-        arrived = reward + discount * self._live(options, value)
+        arrival = self.arrive(options)
         if not self.walk.costly:
-            return arrived
-        return torch.where(options == options[..., :1], value, arrived)
-
-    def _live(self, options: Tensor, value: Tensor) -> Tensor:
-        return value.masked_fill(self.sink[options], 0.0) if self.doomed else value
+            return arrival
+        stays = options == options[..., :1]
+        return Backup(arrival.pay.masked_fill(stays, 0.0), arrival.discount.masked_fill(stays, 1.0))
 
 
 class Eventual(Arrivals):
@@ -61,12 +64,12 @@ class Eventual(Arrivals):
     1: a discount of 1 would leave waiting for ever as good as arriving.
     """
 
-    def arrive(self, options: Tensor) -> tuple[Tensor, Tensor]:
-        """1 in acceptance and 0 elsewhere; γ there and nearly 1 elsewhere."""
-        accepting = self.accepting[options]
+    def __init__(self, setup: Setup) -> None:
+        super().__init__(setup)
         s = self.settings
-        return accepting.float(), torch.where(accepting, s.gamma, s.gamma_between)
+        self.pays = self.accepting.float()
+        self.discounts = self.alive * torch.where(self.accepting, s.gamma, s.gamma_between)
 
     def reward(self, observation: Tensor, state: Tensor) -> Tensor:
         """1 in acceptance."""
-        return self.accepting[state].float()
+        return self.pays[state]

@@ -39,6 +39,7 @@ class CyclER(Eventual):
 
     def __init__(self, setup: Setup) -> None:
         super().__init__(setup)
+        self.pays = torch.zeros_like(self.pays)  # cycles pay for acceptance, too
         code = input_states(setup.walk, setup.settings)
         self.code = code.numpy()
         self.cycles = accepting_cycles(setup.walk, self.code)
@@ -68,11 +69,6 @@ class CyclER(Eventual):
             cycle, taken = best_cycle(self.places[:, state, arrived], self.edges)
             kept[first:last, 0], kept[first:last, 1] = cycle, taken
         return kept
-
-    def arrive(self, options: Tensor) -> tuple[Tensor, Tensor]:
-        """Nothing: cycles pay for acceptance, too. The discounts are LCER's."""
-        reward, discount = super().arrive(options)
-        return 0 * reward, discount
 
     def extra(self, batch: Batch, options: Tensor) -> Tensor:
         """1/|C| for an edge of the cycle that was not taken before."""

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from tiloilc.learn.algorithm.arrivals import Eventual
-from tiloilc.learn.algorithm.method import Setup
+from tiloilc.learn.algorithm.method import Backup, Setup
 from tiloilc.learn.engine.replay import Batch
 from tiloilc.learn.engine.state import State
 from tiloilc.product import Floats, Int, Walk
@@ -47,10 +47,10 @@ class DRL2(Eventual):
         self.potential.copy_(chance["potential"])
         return {}
 
-    def arrive(self, options: Tensor) -> tuple[Tensor, Tensor]:
+    def arrive(self, options: Tensor) -> Backup:
         """1[b' ∈ B*] + Γ(b') U(b'), and Γ."""
-        reward, discount = super().arrive(options)
-        return reward + discount * self._potential(options), discount
+        now = super().arrive(options)
+        return Backup(now.pay + now.discount * self._potential(options), now.discount)
 
     def extra(self, batch: Batch, options: Tensor) -> Tensor:
         """−U(b)."""

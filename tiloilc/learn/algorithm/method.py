@@ -61,11 +61,31 @@ class Episode:
     arrived: Int
 
 
+@dataclass(frozen=True, slots=True)
+class Backup:
+    """What each option b' is worth, given V(s', b'): `pay` + `discount` · V.
+
+    Both are [seed, n, K], or [seed, n, 1] where it is the same for all. As they do not depend on V,
+    tables compute them for a whole episode before they learn it step by step.
+    """
+
+    pay: Tensor
+    discount: Tensor
+
+    def each(self, value: Tensor) -> Tensor:
+        """The worth of each option, [seed, n, K]; `value` [seed, n, K] is V(s', b')."""
+        return self.pay + self.discount * value
+
+    def best(self, value: Tensor) -> Tensor:
+        """The worth of the best option, [seed, n]."""
+        return self.each(value).amax(-1)
+
+
 class Method(Protocol):
     """What the backbone asks of an algorithm, for all seeds at once.
 
     While steps are collected, arrays are [seed, copy, …]; in an update, tensors are [seed, n, …].
-    An update asks `draw`, `learn`, `target`, in this order; on tables `draw` and `learn` are asked
+    An update asks `draw`, `learn`, `backup`, in this order; on tables `draw` and `learn` are asked
     when episodes have ended only.
     """
 
@@ -89,21 +109,21 @@ class Method(Protocol):
     def learn(self, chance: State) -> dict[str, Tensor]:
         """One update of what is learned besides Q and policy; losses [seed] by name."""
 
-    def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
-        """What Q of each transition should be, [seed, n].
+    def backup(self, batch: Batch, options: Tensor) -> Backup:
+        """What Q of each transition should be: the best of this, by V of each of the `options`.
 
-        `value` [seed, n, K] is V(s', b') of each of the `options` b' that there are on arrival:
+        `options` [seed, n, K] are the b' that there are on arrival. V(s', b') is, on networks,
         E[min Q − α log π] over today's policy.
         """
 
-    def least(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor | None:
-        """What `target` is at least, whatever is learned, where V(s', b') is `value` at least.
+    def least(self, batch: Batch, options: Tensor) -> Backup | None:
+        """What `backup` is at least, whatever is learned.
 
         By it demonstrations bound values on tables; None: they do not.
         """
 
-    def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
-        """What arriving in each of `options` is worth, [seed, n, K]: the greatest is taken."""
+    def worth(self, observation: Tensor, options: Tensor) -> Backup:
+        """What arriving in each of `options` [seed, n, K] is worth: the greatest is taken."""
 
     def known(self) -> Tensor:
         """What arriving in each automaton state is worth, [states]; nan where V says it.
@@ -131,7 +151,7 @@ class Method(Protocol):
 
 
 class Plain:
-    """A method that learns nothing besides Q and policy; `target` is left to say."""
+    """A method that learns nothing besides Q and policy; `backup` is left to say."""
 
     def __init__(self, setup: Setup) -> None:
         self.settings, self.walk = setup.settings, setup.walk
@@ -159,13 +179,14 @@ class Plain:
         """Nothing is learned."""
         return {}
 
-    def least(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor | None:
+    def least(self, batch: Batch, options: Tensor) -> Backup | None:
         """Nothing is known."""
         return None
 
-    def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
+    def worth(self, observation: Tensor, options: Tensor) -> Backup:
         """V(s', b')."""
-        return value
+        ones = torch.ones(options.shape, device=options.device)
+        return Backup(0 * ones, ones)
 
     def known(self) -> Tensor:
         """Nothing is known."""

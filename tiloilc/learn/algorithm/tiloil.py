@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from tiloilc.learn.algorithm.discriminator import make_discriminators, stage_unions
-from tiloilc.learn.algorithm.method import Plain, Setup
+from tiloilc.learn.algorithm.method import Backup, Plain, Setup
 from tiloilc.learn.engine.replay import Batch
 from tiloilc.learn.engine.ring import Ring
 from tiloilc.learn.engine.state import State, under, with_prefix
@@ -44,29 +44,25 @@ class TiLoIL(Plain):
         """A step of all discriminators (lines 15 to 19)."""
         return self.discriminators.learn(chance) if self.judges else {}
 
-    def target(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
+    def backup(self, batch: Batch, options: Tensor) -> Backup:
         """Eq. 4 with the rewards of today's discriminators."""
         reward = self.reward(batch.observation, batch.state)
         wait = self._wait(batch.next_observation, options)
-        return tiloil_target(
-            self.table, batch.state, reward, options, value, batch.terminal, self.settings, wait
-        )
+        return tiloil_backup(self.table, batch, options, reward, self.settings, wait)
 
-    def least(self, batch: Batch, options: Tensor, value: Tensor) -> Tensor:
+    def least(self, batch: Batch, options: Tensor) -> Backup:
         """Eq. 4 with the least reward that any discriminators could give."""
         never = torch.tensor(-1.0)
         reward = stage_reward(self.table, batch.state, never, self.settings)
         wait = None
         if self.walk.costly:
             wait = stage_reward(self.table, options[..., 0], never, self.settings)
-        return tiloil_target(
-            self.table, batch.state, reward, options, value, batch.terminal, self.settings, wait
-        )
+        return tiloil_backup(self.table, batch, options, reward, self.settings, wait)
 
-    def worth(self, observation: Tensor, options: Tensor, value: Tensor) -> Tensor:
-        """The same values as in targets."""
+    def worth(self, observation: Tensor, options: Tensor) -> Backup:
+        """The same values as in Eq. 4."""
         wait = self._wait(observation, options)
-        return option_values(self.table, options, value, self.settings, wait)
+        return option_values(self.table, options, self.settings, wait)
 
     def reward(self, observation: Tensor, state: Tensor) -> Tensor:
         """Eq. 8 of (s, b) with today's discriminators, [seed, n]."""
@@ -177,13 +173,9 @@ def stage_reward(table: StageTable, state: Tensor, bonus: Tensor, settings: Sett
 
 
 def option_values(
-    table: StageTable,
-    options: Tensor,
-    soft_value: Tensor,
-    settings: Settings,
-    wait: Tensor | None = None,
-) -> Tensor:
-    """What each option is worth, [seed, n, K], given V(s', b') of each.
+    table: StageTable, options: Tensor, settings: Settings, wait: Tensor | None = None
+) -> Backup:
+    """What each option [seed, n, K] is worth, given V(s', b').
 
     Entering acceptance and sinks has exact values (`exact_entry`): rows of acceptance are rare,
     their Q is untrained for long. `wait` [seed, n] is R((s', b')) of the first option where jumps
@@ -191,54 +183,62 @@ def option_values(
     paid that reward now, and the state that it leads to comes a step later (definition 2.3). It has
     read no letter, so acceptance by a jump alone has no exact value: it must prove its worth.
     """
-    value = soft_value
+    pay = torch.zeros(options.shape, device=options.device)
+    discount = torch.ones_like(pay)
     if settings.exact_entry:
         most = 1 / (1 - settings.gamma)
-        if settings.segment:
-            value = torch.where(table.accepting[options], most, value)
-        value = torch.where(table.sink[options], settings.sink_reward * most, value)
+        accepted = table.accepting[options] & settings.segment
+        lost = table.sink[options]
+        pay = pay.masked_fill(accepted, most).masked_fill(lost, settings.sink_reward * most)
+        discount = discount.masked_fill(accepted | lost, 0.0)
     if wait is None:
-        return value
-    later = wait[..., None] + settings.gamma * soft_value
-    return torch.where(options == options[..., :1], value, later)
+        return Backup(pay, discount)
+    jumps = options != options[..., :1]
+    return Backup(
+        torch.where(jumps, wait[..., None], pay), discount.masked_fill(jumps, settings.gamma)
+    )
 
 
 def exact_values(table: StageTable, settings: Settings) -> Tensor:
     """The values that `option_values` knows without asking, [states]; nan for other states."""
     states = torch.arange(len(table.code), device=table.code.device)
-    nothing = torch.full(states.shape, torch.nan, device=states.device)
-    return option_values(table, states, nothing, settings)
+    known = option_values(table, states, settings)
+    return known.pay.masked_fill(known.discount != 0, torch.nan)
 
 
-def tiloil_target(
+def tiloil_backup(
     table: StageTable,
-    state: Tensor,
-    reward: Tensor,
+    batch: Batch,
     options: Tensor,
-    soft_value: Tensor,
-    terminal: Tensor,
+    reward: Tensor,
     settings: Settings,
     wait: Tensor | None = None,
-) -> Tensor:
-    """Eq. 4, [seed, n], with the best of the options as next state.
+) -> Backup:
+    """Eq. 4 with the best of the options [seed, n, K] as next state.
 
-    `state` is b *before* the step: acceptance of b, not of b', counts. `options` and `soft_value`
-    are [seed, n, K], `wait` is as in `option_values`. An environment that has ended (`terminal`)
-    never accepts again.
+    `batch.state` is b *before* the step: acceptance of b, not of b', counts. `reward` [seed, n] is
+    R((s, b)), `wait` is as in `option_values`. An environment that has ended (`terminal`) never
+    accepts again.
     """
-    most = 1 / (1 - settings.gamma)
+    gamma, state = settings.gamma, batch.state
+    most = 1 / (1 - gamma)
     lost = settings.sink_reward * most
-    values = option_values(table, options, soft_value, settings, wait)
-    if wait is not None:  # b' is the first option: to jump is a matter of the next step
-        options, soft_value = options[..., :1], soft_value[..., :1]
-    over = terminal & ~table.accepting[options].any(-1)
-    target = reward + settings.gamma * torch.where(over, lost, values.amax(-1))
+    arrived = options if wait is None else options[..., :1]  # to jump is a matter of the next step
+    over = (batch.terminal & ~table.accepting[arrived].any(-1))[..., None]
+    value = option_values(table, options, settings, wait)
+    value = Backup(value.pay.masked_fill(over, lost), value.discount.masked_fill(over, 0.0))
+    pay, discount = reward[..., None] + gamma * value.pay, gamma * value.discount
+    accepts = table.accepting[state][..., None]
     if not settings.segment:
-        return target
+        return Backup(pay, discount)
     if settings.accepting_target == "constant":
-        return torch.where(table.accepting[state], most, target)
-    after = torch.where(table.accepting[options], soft_value, most)
-    after = torch.where(table.sink[options], lost, after).amax(-1)
-    stays = table.accepting[state] & (table.code[state] == state)
-    after = torch.where(over, lost, after)
-    return torch.where(stays, 1 + settings.gamma * after, target)
+        return Backup(pay.masked_fill(accepts, most), discount.masked_fill(accepts, 0.0))
+    stays = accepts & (table.code[state] == state)[..., None]
+    kept = (table.accepting[options] & ~over).float()  # V says what it is worth
+    after = torch.full_like(kept, most).masked_fill(table.sink[options] | over, lost)
+    after = after.masked_fill(kept > 0, 0.0)
+    if wait is not None:
+        after = after.masked_fill(options != options[..., :1], -torch.inf)
+    return Backup(
+        torch.where(stays, 1 + gamma * after, pay), torch.where(stays, gamma * kept, discount)
+    )

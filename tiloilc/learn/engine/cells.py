@@ -7,9 +7,9 @@ from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
-from torch import Tensor
+
+from tiloilc.product import Int
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Space
@@ -17,30 +17,27 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Cells:
-    """A cell for each observation: component i has `sizes[i]` values from `low[i]` on, both [d]."""
+    """`count` cells: component i of an observation has `sizes[i]` values from `low[i]` on, [d]."""
 
-    low: Tensor
-    sizes: Tensor
-    strides: Tensor
+    low: Int
+    sizes: Int
+    strides: Int
+    count: int
 
     @classmethod
     def of(cls, space: Space[Any]) -> Cells:
         """The cells of a finite observation space."""
-        low, sizes = (torch.from_numpy(array) for array in _extent(space))
-        strides = torch.tensor([int(sizes[i + 1 :].prod()) for i in range(len(sizes))])
-        return cls(low, sizes, strides)
+        low, sizes = _extent(space)
+        strides = [int(sizes[i + 1 :].prod()) for i in range(len(sizes))]
+        return cls(low, sizes, np.array(strides), int(sizes.prod()))
 
-    @property
-    def count(self) -> int:
-        """How many cells there are."""
-        return int(self.sizes.prod())
-
-    def __call__(self, observations: Tensor) -> Tensor:
+    def __call__(self, observations: NDArray[Any]) -> Int:
         """The number of each observation [..., d] among all cells."""
-        return ((observations.long() - self.low) * self.strides).sum(-1)
+        number: Int = (observations.astype(np.int64) - self.low) @ self.strides
+        return number
 
 
-def _extent(space: Space[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _extent(space: Space[Any]) -> tuple[Int, Int]:
     """The least value of each observed number, and how many values it has."""
     from gymnasium import spaces
 

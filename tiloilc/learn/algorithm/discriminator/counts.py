@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -31,7 +32,7 @@ class CountDiscriminators:
         self.unions, self.stages = unions, unions.stages
         count = cells.count
         self.counts = torch.zeros(settings.seeds, unions.buffers, count, dtype=torch.float64)
-        self.demonstrations = torch.bincount(cells(demonstrations), minlength=count).double()
+        self.demonstrations = self._tally(demonstrations.numpy()).double()
         self.values = torch.zeros(settings.seeds, self.stages + 1, count)
         self.seed = torch.arange(settings.seeds)[:, None]
 
@@ -40,8 +41,7 @@ class CountDiscriminators:
 
     def add(self, seed: int, buffer: int, observations: Floats) -> None:
         """Count a segment's states [m, d]."""
-        cells = self.cells(torch.from_numpy(observations))
-        self.counts[seed, buffer] += torch.bincount(cells, minlength=self.cells.count)
+        self.counts[seed, buffer] += self._tally(observations)
 
     def draw(self) -> State:
         """Nothing is random."""
@@ -61,7 +61,8 @@ class CountDiscriminators:
 
     def bonus(self, observation: Tensor, state: Tensor) -> Tensor:
         """tanh f_b(s) for s [seed, n, d] and b [seed, n]; 0 where b has no f."""
-        return self.values[self.seed, self.unions.slot[state], self.cells(observation)]
+        cell = torch.from_numpy(self.cells(observation.numpy()))
+        return self.values[self.seed, self.unions.slot[state], cell]
 
     def rings(self) -> dict[str, Ring]:
         """None: counts are kept instead of rows."""
@@ -83,6 +84,11 @@ class CountDiscriminators:
         """Take what `state` gave."""
         self.counts.copy_(state["counts"])
         self.load_policy(state)
+
+    def _tally(self, observations: Floats) -> Tensor:
+        """How often each cell is among states [m, d]."""
+        number = np.bincount(self.cells(observations), minlength=self.cells.count)
+        return torch.from_numpy(number)
 
 
 def _mix(own: Tensor, shown: Tensor, share: float) -> Tensor:
