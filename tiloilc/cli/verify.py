@@ -79,6 +79,9 @@ def command(
     visits: Annotated[
         int, typer.Option("--visits", min=1, help="Accepting visits that a trial must make.")
     ] = 1,
+    time_limit: Annotated[
+        float, typer.Option("--time-limit", min=0.1, help="Seconds for each of Storm's answers.")
+    ] = 600.0,
     at_least: Annotated[
         float | None,
         typer.Option("--at-least", min=0.0, max=1.0, help="Exit with 1 unless this is shown."),
@@ -115,6 +118,7 @@ def command(
         confidence=confidence,
         half_width=precision,
         visits=visits,
+        time_limit=time_limit,
     )
     run = Path(subject)
     if run.is_dir() and ((run / EVENTS).is_file() or (run / "checkpoints").is_dir()):

@@ -259,6 +259,20 @@ def test_without_storm_nothing_is_exact(
     assert found.maximum is None
 
 
+def test_past_the_limit_of_time_nothing_is_exact(gambled: tuple[Task, Path]) -> None:
+    task, run = gambled
+    help = "bound a run's policies with --method simulate, or give Storm a longer --time-limit"
+    for verify in (
+        lambda wanted: verify_run(*task, run, wanted),
+        lambda wanted: verify_task(task[0], task[2], None, wanted),
+    ):
+        with pytest.raises(CompileError, match=r"RUN713.*Storm takes longer than 0 s") as caught:
+            verify(Wanted(time_limit=0))
+        assert [about.help for about in caught.value.diagnostics] == [help]
+    found = verify_run(*task, run, Wanted(method="simulate", episodes=5, time_limit=0))
+    assert found.maximum is None
+
+
 def test_a_run_that_is_not_finished_is_not_verified(gambled: tuple[Task, Path]) -> None:
     task, run = gambled
     (run / "checkpoints" / "last.safetensors").unlink()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tiloilc.evaluate.verify.chain import ACCEPTING, Chain
 from tiloilc.evaluate.verify.storm import (
+    Ask,
     Process,
     Unanswered,
     fractions,
@@ -61,41 +62,43 @@ def formula_of(plan: Plan) -> Formula | None:
     return parse(plan.formula, plan.ldba.propositions).formula if plan.formula else None
 
 
-def exactly(chain: Chain, plan: Plan) -> Exact:
+def exactly(chain: Chain, plan: Plan, ask: Ask = probabilities) -> Exact:
     """The probability of one agent, by Storm.
 
     A run is accepted if it ends in a bottom component with an accepting node. The automaton is
     deterministic but for jumps, so without any this says it all; with jumps Storm is asked about
-    the formula itself, of the labels alone.
+    the formula itself, of the labels alone. Raises Unanswered without a probability of acceptance.
     """
     process = chain.process(len(plan.ldba.propositions))
-    accepted = _expected(process, ACCEPTS, chain.initial)
+    accepted = _expected(ask, process, ACCEPTS, chain.initial)
     formula = formula_of(plan)
     if not plan.ldba.jumps or accepted == 1:
         return Exact(accepted, accepted, False, len(chain.states))
     if formula is None:
         return Exact(accepted, accepted, True, len(chain.states))
     try:
-        satisfied = formula_probability(chain, formula, plan.ldba.propositions)
+        satisfied = formula_probability(chain, formula, plan.ldba.propositions, ask)
     except Unanswered:
         return Exact(accepted, accepted, True, len(chain.states))
     return Exact(satisfied, accepted, False, len(chain.states))
 
 
-def formula_probability(chain: Chain, formula: Formula, names: tuple[str, ...]) -> Fraction:
+def formula_probability(
+    chain: Chain, formula: Formula, names: tuple[str, ...], ask: Ask = probabilities
+) -> Fraction:
     """The probability of `formula` by labels alone, without our automaton.
 
     Raises Unanswered where Storm has no answer.
     """
     process = chain.process(len(names))
-    return _expected(process, storm_text(formula, names), chain.initial)
+    return _expected(ask, process, storm_text(formula, names), chain.initial)
 
 
-def maximum(model: MarkovModel, letters: Int, plan: Plan) -> Maximum:
+def maximum(model: MarkovModel, letters: Int, plan: Plan, ask: Ask = probabilities) -> Maximum:
     """The most that any policy reaches in `model`, whose state s is labelled `letters[s]`.
 
     Of a formula by Storm alone; where the task names an automaton, or Storm has no answer, in the
-    product with it, jumps being choices.
+    product with it, jumps being choices. Raises Unanswered if it has none there either.
     """
     names, formula = plan.ldba.propositions, formula_of(plan)
     size = f"Storm on {len(letters):,} states and {model.successor.shape[1]} actions"
@@ -104,21 +107,20 @@ def maximum(model: MarkovModel, letters: Int, plan: Plan) -> Maximum:
     if formula is not None:
         process = Process(_actions(model), letter_labels(letters, len(names)))
         try:
-            best = _expected(process, storm_text(formula, names), model.initial)
+            best = _expected(ask, process, storm_text(formula, names), model.initial)
         except Unanswered:
             pass
         else:
             return Maximum(best, model.exact, how)
-    return Maximum(
-        _expected(_product(model, letters, plan), ACCEPTS, model.initial), model.exact, how
-    )
+    best = _expected(ask, _product(model, letters, plan), ACCEPTS, model.initial)
+    return Maximum(best, model.exact, how)
 
 
-def _expected(process: Process, property: str, initial: NDArray[np.float64]) -> Fraction:
+def _expected(ask: Ask, process: Process, property: str, initial: NDArray[np.float64]) -> Fraction:
     """The probability of a property, the first state being one of the first ones of `process`."""
     starts = np.flatnonzero(initial > 0)
     weights = fractions(starts, initial[starts])
-    found = probabilities(process, property, starts.tolist())
+    found = ask(process, property, starts.tolist())
     return sum((weight * found[s] for s, weight in weights.items()), Fraction(0))
 
 

@@ -6,24 +6,28 @@ project's, and computes with fractions. It is the extra `verify`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+import select
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.evaluate.verify import answer as answering
+from tiloilc.evaluate.verify.answer import Question, answer
 from tiloilc.ltl import ast, subformulas
 from tiloilc.ltl.ast import Formula
-
-if TYPE_CHECKING:
-    from stormpy.models import SparseDtmc, SparseMdp, StateLabeling
 
 Int: TypeAlias = NDArray[np.int64]
 Distribution: TypeAlias = dict[int, Fraction]
 Labels: TypeAlias = dict[str, NDArray[np.bool_]]
+Answers: TypeAlias = dict[int, Fraction]
 
 EVERYWHERE = "everywhere"
 """A label of all states, for `true`: Storm's LTL stumbles over `!true`."""
@@ -48,8 +52,12 @@ class Process:
         return all(len(choices) == 1 for choices in self.actions)
 
 
+Ask: TypeAlias = Callable[[Process, str, Sequence[int]], Answers]
+"""What is asked about a process: `probabilities`, here or in a program of its own."""
+
+
 class Unanswered(Exception):
-    """Storm has no answer: it cannot read what its own translator of formulas has written."""
+    """Storm has no answer, and why."""
 
 
 def fractions(targets: Int, chances: NDArray[np.float64]) -> Distribution:
@@ -82,80 +90,91 @@ def require_storm(subject: str) -> None:
         raise CompileError(Diagnostic.of("RUN713", subject=subject, problem=problem, help=help))
 
 
-def probabilities(process: Process, property: str, starts: Sequence[int]) -> dict[int, Fraction]:
+def probabilities(process: Process, property: str, starts: Sequence[int]) -> Answers:
     """From each of `starts`, the (greatest) probability of a path property in Storm's syntax.
 
-    Raises Unanswered where Storm has no answer.
+    Raises Unanswered where Storm has no answer. It cannot be interrupted: see `Storm`.
     """
-    import stormpy
-
-    assert starts, "nowhere to begin"
-    process = _with_a_last_state(process)
-    operator = "P" if process.is_chain else "Pmax"
-    (query,) = stormpy.parse_properties(f"{operator}=? [ {property} ]")
-    model = _model(process, [*starts, len(process.actions) - 1])
-    try:
-        result = stormpy.model_checking(model, query, only_initial_states=True)
-    except RuntimeError as error:
-        if "acc-name headers do not match" not in str(error):
-            raise
-        raise Unanswered from error
-    return {start: Fraction(str(result.get_value(start))) for start in starts}
+    return _answers(starts, answer(_question(process, property, starts)))
 
 
-def _with_a_last_state(process: Process) -> Process:
-    """The process and one more state to begin in, where nothing holds and which is never left.
+class Storm:
+    """Storm in a program of its own, which is ended when an answer takes more than `limit` s.
+
+    A context: the program goes with it, also when what it asked for is interrupted.
+    """
+
+    def __init__(self, limit: float) -> None:
+        self.limit = limit
+        self.program: subprocess.Popen[str] | None = None
+
+    def __enter__(self) -> Storm:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._end()
+
+    def probabilities(self, process: Process, property: str, starts: Sequence[int]) -> Answers:
+        """As the function of this name; Unanswered also after the limit, or without memory."""
+        if self.program is None:
+            command = [sys.executable, "-P", answering.__file__]
+            pipe = subprocess.PIPE
+            self.program = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True)
+        assert self.program.stdin is not None
+        assert self.program.stdout is not None
+        text = json.dumps(_question(process, property, starts))
+        line = ""
+        try:
+            self.program.stdin.write(text + "\n")
+            self.program.stdin.flush()
+            if not select.select([self.program.stdout], [], [], self.limit)[0]:
+                self._end()
+                raise Unanswered(f"Storm takes longer than {self.limit:g} s")
+            line = self.program.stdout.readline()
+        except BrokenPipeError:
+            pass
+        if not line:
+            status = self.program.wait()
+            self._end()
+            raise Unanswered(f"Storm ended without an answer (status {status})")
+        return _answers(starts, json.loads(line))
+
+    def _end(self) -> None:
+        if self.program is not None:
+            self.program.kill()
+            self.program.communicate()
+            self.program = None
+
+
+def _question(process: Process, property: str, starts: Sequence[int]) -> Question:
+    """The question, of the process and one more state to begin in, which is never left.
 
     Storm counts the columns of its product with an automaton by the last state that is entered.
     """
+    assert starts, "nowhere to begin"
     last = len(process.actions)
-    labels = {name: np.append(which, False) for name, which in process.labels.items()}
-    return Process((*process.actions, ({last: Fraction(1)},)), labels)
+    named = {name: np.flatnonzero(which).tolist() for name, which in process.labels.items()}
+    texts: dict[Fraction, str] = {}
+    actions = [
+        [
+            [(target, texts.setdefault(chance, str(chance))) for target, chance in outcome.items()]
+            for outcome in choices
+        ]
+        for choices in (*process.actions, ({last: Fraction(1)},))
+    ]
+    return {
+        "actions": actions,
+        "labels": {"init": [*starts, last], EVERYWHERE: list(range(last + 1)), **named},
+        "choice": not process.is_chain,
+        "property": property,
+        "starts": list(starts),
+    }
 
 
-def _model(process: Process, starts: Sequence[int]) -> SparseMdp | SparseDtmc:
-    from stormpy import Rational
-    from stormpy.datastructures import SparseMatrixBuilder
-    from stormpy.models import SparseDtmc, SparseMdp, SparseModelComponents
-
-    chain, states = process.is_chain, len(process.actions)
-    rows = [outcome for choices in process.actions for outcome in choices]
-    builder = SparseMatrixBuilder[Rational](
-        rows=len(rows),
-        columns=states,
-        entries=sum(map(len, rows)),
-        has_custom_row_grouping=not chain,
-        row_groups=0 if chain else states,
-    )
-    row = 0
-    known: dict[Fraction, Rational] = {}
-    for choices in process.actions:
-        if not chain:
-            builder.new_row_group(row)
-        for outcome in choices:
-            for target, chance in outcome.items():
-                if chance not in known:
-                    known[chance] = Rational(str(chance))
-                builder.add_next_value(row, target, known[chance])
-            row += 1
-    parts = SparseModelComponents[Rational](
-        transition_matrix=builder.build(), state_labeling=_labeling(process, starts)
-    )
-    return SparseDtmc[Rational](parts) if chain else SparseMdp[Rational](parts)
-
-
-def _labeling(process: Process, starts: Sequence[int]) -> StateLabeling:
-    from stormpy.models import StateLabeling
-
-    states = len(process.actions)
-    labels = StateLabeling(states)
-    first = np.isin(np.arange(states), starts)
-    ours = {"init": first, EVERYWHERE: np.ones(states, np.bool_)}
-    for name, which in {**ours, **process.labels}.items():
-        labels.add_label(name)
-        for state in np.flatnonzero(which).tolist():
-            labels.add_label_to_state(name, state)
-    return labels
+def _answers(starts: Sequence[int], found: list[str] | None) -> Answers:
+    if found is None:
+        raise Unanswered("Storm cannot read what its own translator of formulas has written")
+    return dict(zip(starts, map(Fraction, found), strict=True))
 
 
 def letter_labels(letters: Int, propositions: int) -> Labels:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -17,7 +18,7 @@ from tiloilc.evaluate.verify import told
 from tiloilc.evaluate.verify.bounds import clopper_pearson, trials_needed
 from tiloilc.evaluate.verify.chain import decisions, induced_chain
 from tiloilc.evaluate.verify.counterexample import Failure, failure
-from tiloilc.evaluate.verify.exact import Maximum, exactly, maximum
+from tiloilc.evaluate.verify.exact import exactly, maximum
 from tiloilc.evaluate.verify.models import model_of
 from tiloilc.evaluate.verify.results import (
     Counterexample,
@@ -27,10 +28,10 @@ from tiloilc.evaluate.verify.results import (
     Verification,
 )
 from tiloilc.evaluate.verify.simulated import Simulation, Trials, expert_trials
-from tiloilc.evaluate.verify.storm import has_storm, require_storm
+from tiloilc.evaluate.verify.storm import Ask, Storm, Unanswered, has_storm, require_storm
 from tiloilc.learn import Agent, Labels, load_policy, make_loop
 from tiloilc.plan import Plan
-from tiloilc.product import Int, walk_tables
+from tiloilc.product import walk_tables
 
 if TYPE_CHECKING:
     from tiloilc.tasks import MarkovModel
@@ -45,11 +46,16 @@ HALF_WIDTH = 0.05
 """Of which it is told how many trials it needs, unless told otherwise."""
 
 
+TIME_LIMIT = 600.0
+"""Seconds that Storm has for each question, unless told otherwise."""
+
+
 @dataclass(frozen=True, slots=True)
 class Wanted:
     """What is to be verified, and how. `seed` is one agent of the run's, None all of them.
 
     Without `episodes` there are as many as `half_width` needs whatever comes, or EPISODES.
+    `time_limit` [s] is for each of Storm's answers.
     """
 
     policy: str = "best"
@@ -59,6 +65,7 @@ class Wanted:
     confidence: float = 0.95
     half_width: float | None = None
     visits: int = 1
+    time_limit: float = TIME_LIMIT
 
     @property
     def trials(self) -> int:
@@ -76,8 +83,11 @@ def verify_task(
     Raises CompileError RUN713 without Storm, RUN714 if the environment belies its model.
     """
     model, why = model_of(plan)
-    best = None if model is None else _maximum(plan, model, labels(model.seen))
-    about = None
+    best, about = None, None
+    if model is not None:
+        require_storm(plan.name)
+        with _storm(plan.name, wanted) as ask:
+            best = maximum(model, labels(model.seen), plan, ask)
     if why and expert is not None:
         tell(f"playing {wanted.trials} episodes of the expert `{expert}`")
         trials = expert_trials(plan, labels, expert, wanted.trials)
@@ -108,17 +118,37 @@ def verify_run(
     if not why and wanted.method != "simulate":
         assert model is not None
         require_storm(run.as_posix())
-        return _exactly(plan, labels, agent, model, wanted, places)
+        with _storm(run.as_posix(), wanted) as ask:
+            return _exactly(plan, labels, agent, model, wanted, places, ask)
     best = None
     if model is not None and has_storm():
-        best = _maximum(plan, model, labels(model.seen))
+        with suppress(Unanswered), Storm(wanted.time_limit) as storm:
+            best = maximum(model, labels(model.seen), plan, storm.probabilities)
     tell(f"playing {wanted.trials} episodes of each of {len(places)} agents")
     why = why or "simulation was asked for"
     return replace(_simulated(plan, labels, agent, wanted, places), maximum=best, why=why)
 
 
+@contextmanager
+def _storm(subject: str, wanted: Wanted) -> Iterator[Ask]:
+    """Storm to be asked; raises CompileError RUN713 where it has no answer."""
+    try:
+        with Storm(wanted.time_limit) as storm:
+            yield storm.probabilities
+    except Unanswered as error:
+        help = "bound a run's policies with --method simulate, or give Storm a longer --time-limit"
+        about = Diagnostic.of("RUN713", subject=subject, problem=str(error), help=help)
+        raise CompileError(about) from error
+
+
 def _exactly(
-    plan: Plan, labels: Labels, agent: Agent, model: MarkovModel, wanted: Wanted, places: list[int]
+    plan: Plan,
+    labels: Labels,
+    agent: Agent,
+    model: MarkovModel,
+    wanted: Wanted,
+    places: list[int],
+    ask: Ask,
 ) -> Verification:
     """Each agent's chain, by Storm."""
     letters, walk = labels(model.seen), walk_tables(plan.ldba, plan.train.epsilon)
@@ -126,13 +156,13 @@ def _exactly(
     judged, failures = [], []
     for place in places:
         chain = induced_chain(model, letters, walk, decided.columns[place], decided.arrivals[place])
-        found = exactly(chain, plan)
+        found = exactly(chain, plan, ask)
         judged.append(Judged(plan.train.first_seed + place, found))
         failed = None if found.probability == 1 else failure(chain, model, plan)
         if failed is not None:
             failures.append((found.probability, _told(plan, judged[-1].seed, failed)))
     failures.sort(key=lambda entry: (entry[0], entry[1].seed))
-    best = _maximum(plan, model, letters)
+    best = maximum(model, letters, plan, ask)
     shown = tuple(counterexample for _, counterexample in failures)
     return Verification(plan, wanted.policy, tuple(judged), None, best, shown)
 
@@ -226,8 +256,3 @@ def _agent(
     agent = make_loop(plan, demos, labels).agent
     agent.load_policy(policy)
     return agent, list(range(count)) if wanted.seed is None else [wanted.seed - first]
-
-
-def _maximum(plan: Plan, model: MarkovModel, letters: Int) -> Maximum:
-    require_storm(plan.name)
-    return maximum(model, letters, plan)
