@@ -67,6 +67,19 @@ def test_the_same_experiment_asked_for_twice_is_one(tmp_path: Path) -> None:
     assert len(experiments(tmp_path / "sweep.yaml")) == len(experiments(path)) == 1
 
 
+def test_seeds_that_two_ask_for_are_trained_once(tmp_path: Path) -> None:
+    path = task(tmp_path)
+    first, second = (
+        experiments(path, seeds=4, first_seed=first, records=str(tmp_path / "results"))[0]
+        for first in (3, 5)
+    )
+    jobs = jobs_of([first, second], [{3}, ()])
+    assert sorted((job.number, job.seeds) for job in jobs) == [(0, range(4, 7)), (1, range(7, 9))]
+    (other,) = experiments(path, seeds=4, first_seed=5, records=str(tmp_path / "elsewhere"))
+    jobs = jobs_of([first, other], [(), ()])
+    assert sorted(len(job.seeds) for job in jobs) == [4, 4]
+
+
 @given(
     parts=st.lists(st.tuples(st.integers(0, 14), st.integers(1, 6)), max_size=6),
     foreign=st.booleans(),

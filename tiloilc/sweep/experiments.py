@@ -121,16 +121,19 @@ def check(requests: Iterable[Request]) -> tuple[list[Experiment], list[Diagnosti
 def jobs_of(
     experiments: Sequence[Experiment], recorded: Sequence[Iterable[int]], salt: str = ""
 ) -> list[Job]:
-    """The jobs for the seeds that are not recorded yet, the longest first.
+    """The jobs for the seeds that are not recorded yet, each once, the longest first.
 
     Seeds are cut into the same parts whatever is recorded, so that a sweep that goes on finds the
     folders of its unfinished jobs. `salt` keeps jobs apart that are not to share a folder.
     """
     jobs = []
+    begun: dict[tuple[str, Path], set[int]] = {}  # two sweep files can ask for the same seeds
     for number, (one, seeds) in enumerate(zip(experiments, recorded, strict=True)):
-        have = set(seeds)
+        have = begun.setdefault((digest(one.plan_of(range(1))), one.records), set())
+        have |= set(seeds)
         for part in _parts(one.seeds, one.seeds_per_job or len(one.seeds)):
             for missing in _runs([seed for seed in part if seed not in have]):
+                have |= set(missing)
                 plan = one.plan_of(missing)
                 hashed = hashlib.sha256((digest(plan) + salt).encode()).hexdigest()
                 jobs.append(
