@@ -26,7 +26,7 @@ VERIFIED: dict[str, Any] = {
     },
     "maximum": {"probability": 1.0, "exact": False, "how": "a lattice"},
     "counterexamples": [
-        {"seed": 0, "reason": "It touches b.", "way": ["r at step 3"], "probability": None}
+        {"seed": 0, "reason": "It touches `b & c`.", "way": ["r at step 3"], "probability": None}
     ],
 }  # fmt: skip
 
@@ -168,7 +168,7 @@ def test_what_verification_found_is_told(tmp_path: Path) -> None:
     assert "between [95 %]" in told
     assert "It is not exact: it has &lt;infinitely&gt; many states." in told
     assert "The most that a policy can reach is at least 1: a lattice." in told
-    assert "It touches b." in told
+    assert "It touches <code>b &amp; c</code>." in told
     assert "<li>r at step 3</li>" in told
 
 

@@ -45,10 +45,17 @@ def verified(found: Verification) -> Markup:
             "" if failure.probability is None else f" (probability {shown(failure.probability)})"
         )
         head = tag("b", f"How seed {failure.seed} fails{often}: ")
-        body.append(tag("p", head, failure.reason))
+        body.append(tag("p", head, *_prose(failure.reason)))
         if failure.way:
-            body.append(tag("ol", [tag("li", step) for step in failure.way], class_="quiet"))
+            body.append(
+                tag("ol", [tag("li", *_prose(step)) for step in failure.way], class_="quiet")
+            )
     return concat(body)
+
+
+def _prose(text: str) -> list[Markup | str]:
+    """What stands between backticks as code."""
+    return [tag("code", part) if i % 2 else part for i, part in enumerate(text.split("`"))]
 
 
 def _cells(agent: Agent, sampled: bool) -> list[Markup]:
