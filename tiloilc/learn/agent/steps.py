@@ -57,8 +57,12 @@ class Recent:
 
     def last(self) -> Trail:
         """The latest step of each copy; what the algorithm keeps of it is not known yet."""
-        valid = np.ones(self._last(1, "state").shape, dtype=np.bool_)
-        return self._trail(np.zeros((*valid.shape, self.kept), dtype=np.float32), valid)
+        at = (self.taken - 1) % self.horizon
+        shape = self.rows["state"][at].shape
+        kept, never = torch.zeros(*shape, self.kept), torch.zeros(shape, dtype=torch.bool)
+        columns = [torch.from_numpy(self.rows[name][at]) for name in _ROWS[:-1]]
+        parts = [*columns, kept, never]
+        return Trail(Batch(*parts), ~never, never.long())
 
     def episodes(self, method: Method, over: NDArray[np.bool_], length: Int) -> Trail:
         """The episodes of the copies in `over`, of `length` steps; `method` judges them."""
@@ -70,16 +74,11 @@ class Recent:
                 mine = slice(steps - int(length[seed, copy]), None), seed, copy
                 kept[mine] = method.judge(Episode(after[mine], state[mine], arrived[mine]))
         age = np.arange(steps)[::-1, None, None]
-        return self._trail(kept, over & (age < length))
-
-    def _trail(self, kept: Floats, valid: NDArray[np.bool_]) -> Trail:
-        """As many of the last steps as `kept` and `valid` [step, seed, copy] are of."""
-        steps, _, copies = valid.shape
+        valid = over & (age < length)
         columns = [self._last(steps, name) for name in _ROWS[:-1]]
-        shown = np.zeros_like(valid)
-        parts = [_by_seed(rows) for rows in (*columns, kept, shown, valid)]
-        age = torch.arange(steps - 1, -1, -1).repeat_interleave(copies)
-        return Trail(Batch(*parts[:-1]), parts[-1], age.expand(parts[-1].shape))
+        rows = (*columns, kept, np.zeros_like(valid), valid, np.broadcast_to(age, valid.shape))
+        *batch, valid_ones, ages = (_by_seed(column) for column in rows)
+        return Trail(Batch(*batch), valid_ones, ages)
 
     def _last(self, steps: int, name: str) -> NDArray[Any]:
         at = np.arange(self.taken - steps, self.taken) % self.horizon
@@ -109,7 +108,7 @@ def in_each_state(trail: Trail, states: Tensor) -> Trail:
     """Each step [seed, n] read from each of `states` [k] instead: [seed, n · k]."""
     k, (seeds, n) = len(states), trail.age.shape
     parts = {f.name: _repeated(getattr(trail.batch, f.name), k) for f in fields(Batch)}
-    batch = Batch(**{**parts, "state": states.repeat(seeds, n)})
+    batch = Batch(**{**parts, "state": torch.from_numpy(np.tile(states.numpy(), (seeds, n)))})
     return Trail(batch, _repeated(trail.valid, k), _repeated(trail.age, k))
 
 
