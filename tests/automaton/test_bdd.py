@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from itertools import product
 
+import dd.autoref as dd
 import pytest
 
 from tiloilc.automaton.bdd import FALSE, TRUE, Diagrams, Node
@@ -108,7 +109,6 @@ def test_splitting_lists_every_outcome_with_its_letters() -> None:
 
 
 def test_the_dd_package_gives_the_same_functions() -> None:
-    dd = pytest.importorskip("dd.autoref")
     generator = random.Random("dd")
     for _ in range(40):
         state = generator.getstate()
