@@ -71,6 +71,11 @@ def test_records_from_elsewhere_are_taken_over_and_count(workdir: Path, run: Run
         ([], "name task files"),
         (["corridor.yaml", "--set", "bta=1"], "no setting `bta`"),
         (["corridor.yaml", "--set", "seeds=1"], "--seeds"),
+        (
+            ["corridor.yaml", "--set", "demonstrations.cont=1"],
+            "did you mean `demonstrations.count`",
+        ),
+        (["corridor.yaml", "--set", "demonstrations.count=-1"], "at least 0"),
         (["corridor.yaml", "--set", "beta=-1"], "at least 0"),
         (["corridor.yaml", "--engine", "rai"], "local, ray, slurm"),
         (["corridor.yaml", "--same", "x"], "plan, commit, spec"),
@@ -152,6 +157,31 @@ LONG = (
 def same_part(record: Record) -> dict[str, object]:
     """All of a record but how long it took, which no two runs have in common."""
     return {key: value for key, value in record.fields.items() if key != "wall_seconds"}
+
+
+@pytest.mark.slow
+def test_a_sweep_over_demonstrations_makes_each_once(workdir: Path, run: Run) -> None:
+    task(workdir)
+    Path("counts.yaml").write_text(
+        "specs: [corridor.yaml]\ngrid: {demonstrations.count: [1, 3]}\nseeds: 1\n"
+    )
+    status, out, _ = run("sweep", "counts.yaml", "--steps", 60)
+    assert status == 0
+    words = ["demonstrations.count=1", "demonstrations.count=3"]
+    assert [line.split()[2] for line in out.splitlines()[1:]] == words
+    assert len(list(Path("runs/sweep/builds").iterdir())) == 2
+    assert len(list(Path("runs/sweep/jobs").iterdir())) == 2
+    records = [record.fields for record in read(Path("results/corridor.jsonl.gz"))]
+    named = [fields["demonstrations"] for fields in records]
+    counts = {one["count"] for one in named if isinstance(one, dict)}
+    assert counts == {1, 3}
+    assert len({str(fields["plan_digest"]) for fields in records}) == len(records) == 2
+    status, again, err = run("sweep", "counts.yaml", "--steps", 60)
+    assert (status, again) == (0, out)
+    assert "2 of 2 seeds are recorded; 0 jobs to do" in err
+    option = ("--set", "demonstrations.count=3", "--seeds", 1, "--steps", 60)
+    assert run("sweep", "corridor.yaml", *option, "--dry-run")[1].startswith("recorded ")
+    assert run("sweep", "corridor.yaml", *option[2:], "--dry-run")[1].startswith("to do ")
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ import pytest
 
 from tests.cli.running import Run, runner
 from tests.learn.kills import TASKS, Task, grid_task, left_by
+from tiloilc.evaluate import read
 
 GRID = grid_task("round", 60, 10, 30)
 
@@ -109,6 +110,8 @@ def test_settings_can_be_changed_for_one_run(build: Path, run: Run) -> None:
         (["--set", "batch_size=many"], ["batch_size"]),
         (["--set", "batch_size"], ["NAME=VALUE"]),
         (["--set", "preset=papper"], ["preset"]),
+        (["--set", "demonstrations.count=3"], ["tiloilc run SPEC --set demonstrations.count=…"]),
+        (["--set", "demonstration.count=3"], ["did you mean `demonstrations.count`?"]),
         (["--steps", "ten"], ["steps"]),
         (["--steps", "0"], ["steps"]),
     ],
@@ -188,6 +191,56 @@ def test_run_does_everything(build: Path, run: Run) -> None:
         assert (folder / name).stat().st_size > 0, name
     kinds = [json.loads(e)["type"] for e in (folder / "events.jsonl").read_text().splitlines()]
     assert (kinds[0], kinds[-1]) == ("start", "end")
+
+
+def test_a_run_takes_other_demonstrations_than_the_task_file_says(build: Path, run: Run) -> None:
+    plan = (build / "plan.json").read_bytes()
+    given = json.loads(plan)["demonstrations"]
+    changes = ("--set", "demonstrations.count=1", "--set", "demonstrations.max_visits=1")
+    record = ("--record", "mine.jsonl")
+    assert run("run", "round.yaml", "--steps", 40, *changes, *record, "-q")[0] == 0
+    assert (build / "plan.json").read_bytes() == plan
+    folder = Path("runs/round/0001")
+    made = json.loads((folder / "plan.json").read_text())["demonstrations"]
+    assert made == {**given, "count": 1, "max_visits": 1}
+    for recorded in read(Path("mine.jsonl")):
+        named = recorded.fields["demonstrations"]
+        assert isinstance(named, dict)
+        assert (named["count"], named["max_visits"]) == (1, 1)
+    assert run("run", "round.yaml", "--steps", 40, *changes, "--resume", "-q")[0] == 0
+    assert not Path("runs/round/0002").exists()
+
+
+@pytest.mark.parametrize(
+    ("setting", "status", "words"),
+    [
+        ("demonstrations.cuont=1", 2, "did you mean `demonstrations.count`?"),
+        ("demonstrations.count=few", 2, "`demonstrations.count` must be a whole number, not `few`"),
+        ("demonstrations.source=null", 2, "`demonstrations.source` must be `expert`, not `None`"),
+        ("demonstrations.file=none.npz", 1, "none.npz"),
+    ],
+)
+def test_wrong_demonstrations_are_told_before_anything_is_written(
+    workdir: Path, run: Run, setting: str, status: int, words: str
+) -> None:
+    (workdir / "round.yaml").write_text(GRID, encoding="utf-8")
+    found, out, err = run("run", "round.yaml", "--set", setting)
+    assert (found, out) == (status, "")
+    assert words in err
+    assert not Path("build").exists()
+
+
+def test_demonstrations_from_two_places_at_once_are_a_usage_error(build: Path, run: Run) -> None:
+    both = ("--set", "demonstrations.file=a.npz", "--set", "demonstrations.source=expert")
+    status, _, err = run("run", "round.yaml", *both)
+    assert status == 2
+    assert "`demonstrations.file` and `demonstrations.source` exclude each other" in err
+
+
+def test_a_build_folder_has_its_demonstrations_already(build: Path, run: Run) -> None:
+    status, _, err = run("run", build, "--set", "demonstrations.count=1")
+    assert status == 2
+    assert "tiloilc run SPEC" in err
 
 
 def test_resuming_goes_on_with_the_newest_run_of_the_same_plan(build: Path, run: Run) -> None:

@@ -1,4 +1,4 @@
-"""The sweep files of sweeps/ ask for what there is."""
+"""The sweep files of sweeps/ ask for what there is, and for what the pages of results want."""
 
 from __future__ import annotations
 
@@ -7,11 +7,23 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import ROOT
+from tests.report.results.records import records
 from tests.sweep.made import asked
+from tiloilc.evaluate import Record
+from tiloilc.report.results.book import Book
+from tiloilc.report.results.pages import demonstrations
+from tiloilc.report.results.tasks import read_tasks
+from tiloilc.spec import read_spec
 from tiloilc.sweep import Options, check
 from tiloilc.sweep.request import of_specs, requests
 
 FILES = sorted((ROOT / "sweeps").glob("*.yaml"))
+
+VARIED = [path for path in FILES if path.stem.startswith("demonstrations_")]
+"""Those with other demonstrations than the task files', of tasks that the others run."""
+
+FAST = ("grids", "flatworld", "carlo_rooms", "demonstrations_carlo")
+"""Those of tasks without MuJoCo."""
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -25,15 +37,55 @@ def test_a_campaign_names_specs_and_settings_that_there_are(path: Path) -> None:
 
 
 def test_every_task_is_in_one_campaign_or_is_a_twin() -> None:
-    named = [spec.resolve() for path in FILES for spec in asked(path)[0].specs]
+    whole = [path for path in FILES if path not in VARIED]
+    named = [spec.resolve() for path in whole for spec in asked(path)[0].specs]
     assert len(named) == len(set(named))
     left = set((ROOT / "specs").glob("*.yaml")) - set(named)
     assert {path.stem for path in left} == {"sixteen_rooms_prose"}
 
 
+def campaign(path: Path) -> list[Record]:
+    """Made-up records of all that a campaign asks for."""
+    (request,) = asked(path)
+    found = []
+    for spec in request.specs:
+        task = read_spec(spec).spec
+        for variant in request.variants:
+            shown = variant.laid.over(task.demonstrations, spec.parent)
+            assert shown.file is None or (spec.parent / shown.file).is_file()
+            settings = task.train.override(variant.train)
+            found += records(
+                [1.0],
+                name=task.name,
+                algorithm=settings.algorithm,
+                overrides=settings.overrides(),
+                steps=settings.steps,
+                demonstrations=shown.model_dump(mode="json", exclude_none=True),
+            )
+    return found
+
+
+def test_the_pages_by_demonstrations_lack_nothing_after_their_campaigns() -> None:
+    tasks = read_tasks(ROOT / "specs")
+    every = [record for path in VARIED for record in campaign(path)]
+    book = Book.of(every, tasks)
+    pages = demonstrations.files(book)
+    tables = [demonstrations.table_3(book), demonstrations.table_4(book)]
+    texts = [pages["figure-6.md"], pages["figure-7.md"], *tables]
+    assert all("| Carlo |" in text and "ot run" not in text for text in texts)
+    assert len(book.rows) == len(every)  # and no two of them are taken for one
+    few = [record for path in VARIED[1:] for record in campaign(path)]
+    assert "not run" in demonstrations.table_3(Book.of(few, tasks))
+
+
 @pytest.mark.slow
 def test_campaigns_are_found_to_be_without_fault() -> None:
-    numpy = [path for path in FILES if path.stem != "robots"]
-    experiments, _ = check(requests(numpy, Options()))
-    variants = sum(len(asked(path)[0].specs) * len(asked(path)[0].variants) for path in numpy)
-    assert len(experiments) == variants
+    fast = [path for path in FILES if path.stem in FAST]
+    for path in fast:
+        (request,) = asked(path)
+        experiments, _ = check([request])
+        assert len(experiments) == len(request.specs) * len(request.variants)
+    usual = 2  # Carlo with its own demonstrations, by TiLoIL and GAIL, is in two files
+    both = [path for path in fast if "carlo" in path.stem]
+    apart = sum(len(request.specs) * len(request.variants) for request in requests(both, Options()))
+    assert len(check(requests(both, Options()))[0]) == apart - usual

@@ -23,8 +23,8 @@ specs: ["grid_*.yaml"]
 algorithms: [tiloil, cloning]
 steps: 200_000
 seeds: 1e1
-overrides: [{}, {beta: 1/3, entropy: tuned, actor_hidden: [64, 64]}]
-grid: {gamma: [0.9, 99/100], segment: [true, false]}
+overrides: [{}, {beta: 1/3, actor_hidden: [64, 64], demonstrations.max_visits: }]
+grid: {gamma: [0.9, 99/100], segment: [true, false], demonstrations.count: [5, 1_0]}
 """
 
 
@@ -68,6 +68,10 @@ def test_the_schema_takes_every_sweep_of_the_project_and_of_the_readme() -> None
         ("gamma: [0.9, 99/100]", "gamma: 0.9"),
         ("gamma: [0.9, 99/100]", "gamma: [0.9, 2]"),
         ("gamma: [0.9, 99/100]", "gamma: []"),
+        ("demonstrations.count: [5, 1_0]", "demonstrations.count: [5, -1]"),
+        ("demonstrations.count: [5, 1_0]", "demonstrations.cuont: [5]"),
+        ("demonstrations.count: [5, 1_0]", "demonstrations.source: [experts]"),
+        ("demonstrations.max_visits: ", "demonstrations.file: "),
     ],
 )
 def test_the_schema_refuses_what_reading_refuses(old: str, new: str) -> None:

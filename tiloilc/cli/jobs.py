@@ -1,24 +1,24 @@
-"""What train, eval and run share: a plan with its inputs, run folders, changed settings."""
+"""What train, eval and run share: a plan with its inputs, run folders."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import shutil
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import tiloilc
-from tiloilc.cli.console import fail, guests, report, say
+from tiloilc.cli.console import fail, guests, say
+from tiloilc.cli.settings import changed
 
 if TYPE_CHECKING:
     from tiloilc.demos import DemoSet
     from tiloilc.label import Labeller
     from tiloilc.plan import Plan
-    from tiloilc.spec.settings import Settings
 
 RUNS = Path("runs")
 TIMING, EVENTS = "timing.json", "events.jsonl"
@@ -57,77 +57,12 @@ def open_job(
         raise fail(f"no plan in `{folder.as_posix()}`; compile a task file first")
     plan = load_plan(folder, of_run=(plan_file(folder).parent / EVENTS).is_file())
     if changes:
-        plan = dataclasses.replace(plan, train=_changed(plan, changes, quiet))
+        plan = dataclasses.replace(plan, train=changed(plan, changes, quiet))
     where = plan_file(folder).parent
     file = where / "demos.npz"
     with importable(plan.root), guests():
         demos = load(file) if file.is_file() else DemoSet(())
         yield Job(plan, demos, labeller(plan), where)
-
-
-def settings_given(
-    pairs: Sequence[str],
-    steps: str | None,
-    seeds: int | None,
-    device: str | None = None,
-    option: str = "--set",
-) -> dict[str, object]:
-    """The settings of the command line: `--set K=V` and those that have options of their own."""
-    changes: dict[str, object] = {}
-    for pair in pairs:
-        name, equals, value = pair.partition("=")
-        if not equals:
-            raise fail(f"{option} needs NAME=VALUE, not `{pair}`")
-        changes[name.strip()] = _value(value.strip())
-    if steps is not None:
-        changes["steps"] = steps
-    if seeds is not None:
-        changes["seeds"] = seeds
-    if device is not None:
-        changes["device"] = device
-    return changes
-
-
-def known_settings(changes: Iterable[str]) -> None:
-    """Raises Exit 2 for a name that is no setting."""
-    from tiloilc.diag import did_you_mean
-    from tiloilc.spec.settings import Settings
-
-    for name in changes:
-        if name not in Settings.model_fields:
-            hint = did_you_mean(name, sorted(Settings.model_fields))
-            raise fail(f"no setting `{name}`" + (f"; {hint}" if hint else ""))
-
-
-def _value(text: str) -> object:
-    """What a value means in YAML: lists, booleans, numbers; else the text itself."""
-    try:
-        return json.loads(text)
-    except ValueError:
-        return text
-
-
-def _changed(plan: Plan, changes: Mapping[str, object], quiet: bool) -> Settings:
-    from pydantic import ValidationError
-
-    from tiloilc.diag import CompileError, Severity
-    from tiloilc.driver import doubtful_findings, settings_findings
-    from tiloilc.spec import refusal
-
-    known_settings(changes)
-    try:
-        settings = plan.train.override(changes)
-    except ValidationError as error:
-        raise fail(f"setting {refusal(error)}") from None
-    found = [
-        *settings_findings(settings, plan.demonstrations),
-        *doubtful_findings(settings, plan.ldba, plan.stages),
-    ]
-    if any(diagnostic.severity is Severity.ERROR for diagnostic in found):
-        raise CompileError(*found)
-    if not quiet:
-        report(found)
-    return settings
 
 
 def new_run(job: Job, runs: Path) -> Path:

@@ -14,9 +14,9 @@ from tiloilc.cli.jobs import (
     new_run,
     open_job,
     run_to_resume,
-    settings_given,
     train_job,
 )
+from tiloilc.cli.settings import demonstrations_given, settings_given
 from tiloilc.cli.train import Device, Resume, Runs, Seeds, Set, Steps
 from tiloilc.cli.verdict import verdict
 
@@ -41,24 +41,31 @@ def command(
 ) -> None:
     """Compile, train, evaluate and report in one go.
 
+    Settings whose names begin with `demonstrations.` are laid over the task file's demonstrations.
+
     Prints what the policies achieve beside the optimum, and where the report is.
     """
     from tiloilc.driver import compile_spec, write_build
     from tiloilc.evaluate import append, read, records_of_run
+    from tiloilc.plan import digest
     from tiloilc.report import write_report
 
     if record is not None and record.exists():
         read(record)  # a damaged file is found out now, not after the training
+    settings = settings_given(changes or [], steps, seeds, device)
     build = spec
     if not spec.is_dir():
+        laid = demonstrations_given(settings)
         with guests():
-            result = compile_spec(spec)
+            result = compile_spec(spec, laid)
         if not quiet:
             report(result.diagnostics)
-        build = Path("build") / result.plan.name
+        name = result.plan.name
+        # what the task file does not say has a folder of its own: `build/NAME` is what it says
+        build = Path("build") / (f"{name}-{digest(result.plan)[:12]}" if laid.values else name)
         write_build(result, build)
         say(f"compiled to {build.as_posix()}", quiet)
-    with open_job(build, settings_given(changes or [], steps, seeds, device), quiet) as job:
+    with open_job(build, settings, quiet) as job:
         run = run_to_resume(build, job, runs) if resume else new_run(job, runs)
         say(f"training {job.plan.name}: {job.plan.train.seeds} seeds in {run.as_posix()}", quiet)
         seconds = train_job(job, run, resume, quiet)

@@ -16,7 +16,7 @@ import typer
 
 import tiloilc
 from tiloilc.cli.console import Quiet, fail, guests, report, say
-from tiloilc.cli.jobs import known_settings, settings_given
+from tiloilc.cli.settings import checked, settings_given
 from tiloilc.cli.sweeping import SweepProgress, seeds_of
 from tiloilc.cli.train import Set, Steps
 
@@ -99,7 +99,8 @@ def command(
     interrupted or killed goes on when it is started again. Prints a table of the records.
 
     A sweep file is YAML with `specs`, `algorithms`, `overrides`, `grid`, `seeds`, `first_seed`,
-    `steps`, `seeds_per_job` and `records`; options take the place of what it says.
+    `steps`, `seeds_per_job` and `records`; options take the place of what it says. Settings whose
+    names begin with `demonstrations.` are laid over the task file's demonstrations.
     """
     import tiloilc.sweep as sweeps
     from tiloilc.diag import Severity
@@ -168,23 +169,15 @@ def _options(
     records: str | None,
 ) -> Options:
     """The options as they hold for every spec. Raises Exit 2 for a setting that cannot be."""
-    from pydantic import ValidationError
-
-    from tiloilc.spec import refusal
-    from tiloilc.sweep import Changes, Options, given
+    from tiloilc.sweep import Options
 
     settings = settings_given(changes or [], steps, None)
-    known_settings(settings)
     for name, option in (("seeds", "--seeds"), ("first_seed", "--first-seed")):
         if name in settings:
             raise fail(f"give `{name}` by {option}")
-    try:
-        checked = given(Changes.model_validate(settings))
-    except ValidationError as error:
-        raise fail(f"setting {refusal(error)}") from None
     names = [name.strip() for name in (algorithms or "").split(",")]
     wanted = tuple(dict.fromkeys(name for name in names if name))
-    return Options(wanted, checked, seeds, first_seed, seeds_per_job, records)
+    return Options(wanted, checked(settings), seeds, first_seed, seeds_per_job, records)
 
 
 def _chosen_engine(name: str, workers: int | None, pairs: Sequence[str], folder: Path) -> Engine:

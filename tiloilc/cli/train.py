@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from tiloilc.cli.console import Quiet, say
-from tiloilc.cli.jobs import RUNS, new_run, open_job, run_to_resume, settings_given, train_job
+from tiloilc.cli.jobs import RUNS, new_run, open_job, run_to_resume, train_job
+from tiloilc.cli.settings import settings_given
 
 Steps = Annotated[
     str | None, typer.Option("--steps", help="Environment steps per seed, instead of the plan's.")

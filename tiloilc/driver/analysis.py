@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,7 @@ from tiloilc.label import compile_predicates
 from tiloilc.ltl import Parsed, parse
 from tiloilc.plan import Stages, importable, stage_findings, stage_plan
 from tiloilc.spec import Demonstrations, Document, Environment, Spec, examine_spec
+from tiloilc.spec.laid import NOTHING, Laid
 
 Labels = Callable[[NDArray[np.float32]], NDArray[np.int64]]
 
@@ -66,14 +68,19 @@ class Analysis:
         return _setting(self.document, name)
 
 
-def analyse(path: str | os.PathLike[str], given: DemoSet | None = None) -> Analysis:
+def analyse(
+    path: str | os.PathLike[str], given: DemoSet | None = None, laid: Laid = NOTHING
+) -> Analysis:
     """Look at the task file `path`: everything that can be said of it without training.
 
-    Demonstrations that are `given`, all of them, take the place of those of the task file. Raises
-    CompileError only where there is nothing to look at (SPEC100, SPEC105, SPEC106).
+    Demonstrations that are `given`, all of them, take the place of those of the task file; settings
+    of demonstrations that are `laid` over it are as if it gave them. Raises CompileError only where
+    there is nothing to look at (SPEC100, SPEC105, SPEC106).
     """
     document, spec, found = examine_spec(path)
     findings = Findings(list(found))
+    if spec is not None and laid.values:
+        spec = findings.attempt(partial(_laid_over, spec, laid, document))
     if spec is not None:
         shown = spec.demonstrations
         findings.add(settings_findings(spec.train, shown, lambda name: _setting(document, name)))
@@ -105,9 +112,23 @@ def analyse(path: str | os.PathLike[str], given: DemoSet | None = None) -> Analy
             findings.attempt(lambda: labels(asked.seen))
         demos = None
         if spec and asked and labels and ldba and not findings.failed:
-            demos = _demonstrations(spec, asked, labels, ldba, document, findings, given)
+            span = _demonstrations_place(spec, document, laid) if given is None else None
+            demos = _demonstrations(spec, asked, labels, ldba, document, findings, given, span)
     found_all = tuple(findings.ordered())
     return Analysis(document, spec, asked, fields, parsed, ldba, stages, labels, demos, found_all)
+
+
+def _laid_over(spec: Spec, laid: Laid, document: Document) -> Spec:
+    shown = laid.over(spec.demonstrations, document.path.parent)
+    return spec.model_copy(update={"demonstrations": shown})
+
+
+def _demonstrations_place(spec: Spec, document: Document, laid: Laid) -> Span | None:
+    """Where the demonstrations are asked for; None if nowhere, or on the command line."""
+    if spec.demonstrations is None:
+        return None
+    kind = spec.demonstrations.kind
+    return laid.place(kind, document.span("demonstrations", kind))
 
 
 def _has(document: Document, key: str) -> bool:
@@ -229,15 +250,18 @@ def _demonstrations(
     document: Document,
     findings: Findings,
     given: DemoSet | None,
+    span: Span | None,
 ) -> DemoSet | None:
-    """The demonstrations as the plan takes them: checked, and cut after the wanted visits."""
+    """The demonstrations as the plan takes them: checked, and cut after the wanted visits.
+
+    `span` is where they are asked for.
+    """
     wanted = spec.demonstrations
     if given is not None:
-        span, wanted = None, wanted or Demonstrations()
+        wanted = wanted or Demonstrations()
         every = wanted.model_copy(update={"count": len(given)})
         demos = findings.attempt(lambda: as_wanted(given, every))
     elif wanted is not None:
-        span = document.span("demonstrations", wanted.kind)
         demos = findings.attempt(
             lambda: demonstrations_for(
                 wanted,

@@ -19,6 +19,7 @@ from tiloilc.driver.environment import source_of
 from tiloilc.label import Labeller, compile_predicates
 from tiloilc.plan import Plan, Predicate, from_json, to_json
 from tiloilc.spec import Demonstrations, PythonPredicate, Spec
+from tiloilc.spec.laid import NOTHING, Laid
 
 PLAN = "plan.json"
 DEMOS = "demos.npz"
@@ -56,9 +57,12 @@ def lint(path: str | os.PathLike[str]) -> list[Diagnostic]:
         return sorted(error.diagnostics, key=Diagnostic.sort_key)
 
 
-def compile_spec(path: str | os.PathLike[str]) -> Compiled:
-    """Compile the task file `path`. Raises CompileError with all findings if one is an error."""
-    analysis = analyse(path)
+def compile_spec(path: str | os.PathLike[str], laid: Laid = NOTHING) -> Compiled:
+    """Compile the task file `path`, with settings of demonstrations that are `laid` over it.
+
+    Raises CompileError with all findings if one is an error.
+    """
+    analysis = analyse(path, laid=laid)
     if analysis.failed:
         raise CompileError(*analysis.diagnostics)
     return compiled(analysis)

@@ -36,7 +36,13 @@ class Sweep:
         """The command that does a job alone, in a run folder of its own."""
         one = self.experiments[job.number]
         record = ["--record", one.records.as_posix()]
-        return ["tiloilc", "run", one.spec.as_posix(), *arguments(job.changes), *record]
+        return [
+            "tiloilc",
+            "run",
+            one.spec.as_posix(),
+            *arguments({**one.shown, **job.changes}),
+            *record,
+        ]
 
 
 def collect(sweep: Sweep) -> list[Job]:

@@ -22,6 +22,7 @@ from tiloilc.driver import (
     settings_findings,
 )
 from tiloilc.plan import Plan, digest
+from tiloilc.spec.laid import Laid
 from tiloilc.spec.settings import Settings
 from tiloilc.sweep.request import Request, Variant
 
@@ -30,13 +31,15 @@ from tiloilc.sweep.request import Request, Variant
 class Experiment:
     """One task with one set of settings: what a row of the final table is of.
 
-    `changes` is what differs from the task file, without the seeds; `records` is the file in which
-    its records are kept.
+    `changes` are the settings of training that differ from the task file, without the seeds;
+    `shown` are those of demonstrations, with which `task` was compiled. `records` is the file in
+    which its records are kept.
     """
 
     spec: Path
     task: Compiled
     changes: Mapping[str, object]
+    shown: Mapping[str, object]
     seeds: range
     seeds_per_job: int | None
     records: Path
@@ -65,7 +68,8 @@ class Experiment:
     def words(self) -> str:
         """What tells it from others of its task: the algorithm and what was changed."""
         apart = ("algorithm", "steps")  # these are told beside it
-        others = [f"{k}={_short(v)}" for k, v in self.changes.items() if k not in apart]
+        changed = {**self.changes, **self.shown}
+        others = [f"{k}={_short(v)}" for k, v in changed.items() if k not in apart]
         return " ".join([self.settings.algorithm, *others])
 
 
@@ -91,21 +95,21 @@ def agents(seeds: range) -> dict[str, object]:
 def check(requests: Iterable[Request]) -> tuple[list[Experiment], list[Diagnostic]]:
     """All experiments, in the asked order and each once, and findings short of errors.
 
-    Every task file is compiled and every set of settings tried on it. Raises CompileError with all
-    that is wrong.
+    Every task file is compiled, once with each set of settings of demonstrations, and every set of
+    settings tried on it. Raises CompileError with all that is wrong.
     """
     found: list[Diagnostic] = []
-    analyses: dict[Path, tuple[Analysis, Compiled] | None] = {}
+    analyses: dict[tuple[Path, str], tuple[Analysis, Compiled] | None] = {}
     experiments: dict[str, Experiment] = {}
     for request in requests:
         for spec in request.specs:
-            place = spec.resolve()
-            if place not in analyses:
-                analyses[place] = _compile(spec, found)
-            known = analyses[place]
-            if known is None:
-                continue
             for variant in request.variants:
+                key = spec.resolve(), json.dumps(variant.laid.values, sort_keys=True)
+                if key not in analyses:
+                    analyses[key] = _compile(spec, variant.laid, found)
+                known = analyses[key]
+                if known is None:
+                    continue
                 said = list(_findings(known[0], variant))
                 found += said
                 if any(d.severity is Severity.ERROR for d in said):
@@ -152,10 +156,10 @@ def _short(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else json.dumps(value).strip('"')
 
 
-def _compile(spec: Path, found: list[Diagnostic]) -> tuple[Analysis, Compiled] | None:
-    """The task, or None after its errors were told."""
+def _compile(spec: Path, laid: Laid, found: list[Diagnostic]) -> tuple[Analysis, Compiled] | None:
+    """The task with these demonstrations, or None after its errors were told."""
     try:
-        analysis = analyse(spec)
+        analysis = analyse(spec, laid=laid)
     except CompileError as error:
         found += error.diagnostics
         return None
@@ -170,9 +174,9 @@ def _findings(analysis: Analysis, variant: Variant) -> Iterator[Diagnostic]:
     assert asked is not None
     assert ldba is not None
     assert stages is not None
-    if not variant.settings:
+    if not variant.train:
         return
-    settings = spec.train.override(variant.settings)
+    settings = spec.train.override(variant.train)
 
     def place(name: str) -> Span | None:
         return variant.places[name] if name in variant.places else analysis.setting(name)
@@ -191,7 +195,8 @@ def _experiment(spec: Path, task: Compiled, variant: Variant, request: Request) 
     return Experiment(
         spec,
         task,
-        variant.settings,
+        variant.train,
+        variant.laid.values,
         range(first, first + seeds),
         request.seeds_per_job,
         record_file(request.records, task.plan.name, algorithm),

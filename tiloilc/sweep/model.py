@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
-from typing import Annotated, Any
+from types import MappingProxyType, NoneType
+from typing import Annotated, Any, Union, get_args
 
 from pydantic import Field, create_model
 from pydantic.fields import FieldInfo
 
 from tiloilc.spec.base import Model, Whole
+from tiloilc.spec.laid import DEMO_FIELDS, ORIGINS
 from tiloilc.spec.problems import Form
 from tiloilc.spec.schema import form_schema
 from tiloilc.spec.settings import Settings, Steps
@@ -18,30 +19,33 @@ OWN = ("seeds", "first_seed")
 """Settings that say which agents there are, not what they are: they hold for a whole sweep."""
 
 
-def _partial(name: str, about: str, kind: Callable[[FieldInfo], object]) -> type[Model]:
-    """A model with the settings of training, none of them needed, each of another type."""
+def _value(field: FieldInfo, needed: bool = False) -> object:
+    """The type of a setting, with its limits; if it is `needed`, without nothing as a value."""
+    kind: object = field.annotation
+    if needed:
+        kind = Union[tuple(option for option in get_args(kind) if option is not NoneType)]  # noqa: UP007
+    return Annotated[kind, Field(examples=field.examples), *field.metadata]
+
+
+def _partial(name: str, about: str, kind: Callable[[object], object]) -> type[Model]:
+    """A model with the settings of training and of demonstrations, none of which must be given."""
     fields: dict[str, Any] = {}
-    for key, field in Settings.model_fields.items():
+    for key, field in {**Settings.model_fields, **DEMO_FIELDS}.items():
         if key not in OWN:
             free = Field(
                 default=None,
                 description=field.description,
                 json_schema_extra=lambda about: about.pop("default"),  # the task file's own
             )
-            fields[key] = (kind(field), free)
+            fields[key] = (kind(_value(field, needed=key in ORIGINS)), free)
     return create_model(name, __base__=Model, __doc__=about, **fields)
 
 
-def _value(field: FieldInfo) -> object:
-    """The type of a setting, with its limits."""
-    return Annotated[field.annotation, Field(examples=field.examples), *field.metadata]
-
-
-Changes = _partial("Changes", "Settings that differ from the task file's.", _value)
+Changes = _partial("Changes", "Settings that differ from the task file's.", lambda value: value)
 Grid = _partial(
     "Grid",
     "Values that settings take in turn.",
-    lambda field: Annotated[list[_value(field)], Field(min_length=1)],  # type: ignore[misc]
+    lambda value: Annotated[list[value], Field(min_length=1)],  # type: ignore[valid-type]
 )
 
 

@@ -7,9 +7,12 @@ from enum import StrEnum
 from functools import cache
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate import Record, append, read
 from tiloilc.plan import digest
+from tiloilc.spec import Demonstrations
 from tiloilc.spec.presets import PRESETS
 from tiloilc.sweep.experiments import Experiment, record_file
 from tiloilc.sweep.model import OWN
@@ -32,9 +35,9 @@ def recorded(
     """Of each experiment the records of its seeds, one a seed, from the files it is kept in.
 
     A record is of the same plan if its plan differs in nothing but which seeds were trained
-    together; of the same spec if task file, steps and settings are the same, whatever has become
-    of this program. Where several commits made one seed, that of `commit` counts, else the latest.
-    Raises CompileError RUN701 for a damaged file.
+    together; of the same spec if task file, demonstrations, steps and settings are the same,
+    whatever has become of this program. Where several commits made one seed, that of `commit`
+    counts, else the latest. Raises CompileError RUN701 for a damaged file.
     """
     files: dict[Path, list[Record]] = {}
     found = []
@@ -72,6 +75,7 @@ def _of(
         if same is Same.SPEC:
             alike = fields.get("spec_digest") == spec and _chosen(overrides) == settings
             alike = alike and fields.get("steps") == one.steps
+            alike = alike and _shown_alike(fields.get("demonstrations"), one)
         else:
             alike = fields.get("plan_digest") == digest_of(_trained(overrides, one))
         ours = fields.get("git_commit") == commit
@@ -79,6 +83,16 @@ def _of(
             made = fields.get("git_time")
             kept.setdefault(seed, []).append((ours, made if isinstance(made, int) else 0, record))
     return {seed: max(found, key=lambda rank: rank[:2])[2] for seed, found in kept.items()}
+
+
+def _shown_alike(given: object, one: Experiment) -> bool:
+    """Whether a record's demonstrations are asked for; those of old say nothing of theirs."""
+    if given is None:
+        return not one.shown
+    try:
+        return Demonstrations.model_validate(given) == one.plan.demonstrations
+    except ValidationError:  # of a version that knew more of them
+        return False
 
 
 def _trained(overrides: Mapping[str, object], one: Experiment) -> range:

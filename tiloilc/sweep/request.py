@@ -13,6 +13,7 @@ from pathlib import Path
 
 from tiloilc.diag import CompileError, Diagnostic, Severity, Span
 from tiloilc.spec.base import Model
+from tiloilc.spec.laid import DEMO_FILE, PREFIX, Laid, beside, exclusive, seen_from
 from tiloilc.spec.read import Document, examine_document, file_text, read_document
 from tiloilc.sweep.model import SWEEP_FILE, Sweep, given
 
@@ -25,14 +26,31 @@ _TASKS = re.compile(r"^(?:environment|propositions|formula)[ \t]*:", re.MULTILIN
 
 @dataclass(frozen=True)
 class Variant:
-    """One set of settings, and where in a sweep file each is given; None: on the command line."""
+    """One set of settings, and where in a sweep file each is given; None: on the command line.
+
+    Those whose names begin with `demonstrations.` are of the task file's demonstrations, and a
+    relative file of them is from the working folder; all others are of training.
+    """
 
     settings: Mapping[str, object]
     places: Mapping[str, Span | None]
 
     def then(self, other: Variant) -> Variant:
         """This one with what the other gives, which takes the place of what this one says."""
-        return Variant({**self.settings, **other.settings}, {**self.places, **other.places})
+        settings = {**beside(self.settings, other.settings), **other.settings}
+        places = {**self.places, **other.places}
+        return Variant(settings, {name: places[name] for name in settings})
+
+    @property
+    def train(self) -> Mapping[str, object]:
+        """The settings of training."""
+        return {k: v for k, v in self.settings.items() if not k.startswith(PREFIX)}
+
+    @property
+    def laid(self) -> Laid:
+        """The settings of demonstrations."""
+        values = {k: v for k, v in self.settings.items() if k.startswith(PREFIX)}
+        return Laid(values, {name: self.places[name] for name in values})
 
 
 @dataclass(frozen=True)
@@ -143,12 +161,19 @@ def _variants(
 
 def _sets(sweep: Sweep, document: Document) -> list[Variant]:
     """Every set of settings with every combination of the grid's values, as written."""
+    home = document.path.parent
     sets = [
-        Variant(given(one), {name: document.span("overrides", i, name) for name in given(one)})
+        Variant(
+            {name: _seen(name, value, home) for name, value in given(one).items()},
+            {name: document.span("overrides", i, name) for name in given(one)},
+        )
         for i, one in enumerate(sweep.overrides)
     ]
     axes = [
-        [Variant({name: v}, {name: document.span("grid", name, i)}) for i, v in enumerate(values)]
+        [
+            Variant({name: _seen(name, value, home)}, {name: document.span("grid", name, i)})
+            for i, value in enumerate(values)
+        ]
         for name, values in _axes(sweep.grid).items()
     ]
     return [
@@ -158,6 +183,11 @@ def _sets(sweep: Sweep, document: Document) -> list[Variant]:
     ]
 
 
+def _seen(name: str, value: object, home: Path) -> object:
+    """A value of a sweep file in the folder `home`: a file as the working folder sees it."""
+    return seen_from(Path(), Path(str(value)), home) if name == DEMO_FILE else value
+
+
 def _axes(grid: Model | None) -> dict[str, list[object]]:
     if grid is None:
         return {}
@@ -165,19 +195,27 @@ def _axes(grid: Model | None) -> dict[str, list[object]]:
 
 
 def _clashes(sweep: Sweep, document: Document) -> Iterator[Diagnostic]:
-    """SPEC108 for a setting that a set and the grid both give."""
-    axes = _axes(sweep.grid)
-    for i, one in enumerate(sweep.overrides):
-        for name in given(one):
-            if name in axes:
-                place = document.key_span("grid", name)
-                yield Diagnostic.of(
-                    "SPEC108",
-                    document.key_span("overrides", i, name),
-                    problem=f"`overrides[{i}].{name}` and `grid.{name}` exclude each other",
-                    label=f"`grid` gives it in line {place.line}",
-                    help="keep one of the two",
-                )
+    """SPEC108 for settings that exclude each other in what is combined: a set and the grid."""
+    grid = [(f"grid.{name}", ("grid", name)) for name in _axes(sweep.grid)]
+    sets = [
+        [(f"overrides[{i}].{name}", ("overrides", i, name)) for name in given(one)]
+        for i, one in enumerate(sweep.overrides)
+    ]
+    told = set()
+    for together in [[*one, *grid] for one in sets or [[]]]:
+        for first, second in exclusive(str(path[-1]) for _, path in together):
+            (name, path), (other, of_other) = together[first], together[second]
+            if (name, other) in told:  # two of the grid clash beside every set
+                continue
+            told.add((name, other))
+            place = document.key_span(*of_other)
+            yield Diagnostic.of(
+                "SPEC108",
+                document.key_span(*path),
+                problem=f"`{name}` and `{other}` exclude each other",
+                label=f"`{other}` is given in line {place.line}",
+                help="keep one of the two",
+            )
 
 
 def _specs(sweep: Sweep, document: Document) -> tuple[tuple[Path, ...], list[Diagnostic]]:

@@ -24,11 +24,8 @@ LENGTHS = {"carlo": ("100", "200", "400"), "cheetah_flip": ("100", "200", "400")
 
 UNSAFE = "carlo_unsafe.npz"
 
-HOW = f"""
-To make such a row, copy the task file to another folder, keep its `name`, change its
-`demonstrations` there, and run the copy: `tiloilc run COPY --set first_seed={FRESH} --record
-results/TASK.jsonl.gz`. Records name the demonstrations they are of.
-"""
+SWEEPS = "sweeps/demonstrations_{}.yaml"
+"""The campaigns that make these rows, one a task or kind of robot."""
 
 
 INKS = {
@@ -59,7 +56,7 @@ def _figure(book: Book, number: str, methods: Sequence[str], drawn: Mapping[str,
     )
     if drawn:
         text += pictures([(path, panel.title) for path, panel in drawn.items()]) + "\n"
-    return text + _sizes(book, methods) + HOW.replace("`demonstrations`", "`count`")
+    return text + _sizes(book, methods) + _how("*")
 
 
 def _panels(book: Book, methods: Sequence[str], folder: str) -> dict[str, Panel]:
@@ -97,7 +94,7 @@ def table_3(book: Book) -> str:
     text = f"# Table 3: only unsafe or incomplete demonstrations\n\n{MADE}\n"
     text += (
         "Ours are of a careless driver that crashes or never makes a whole round:\n"
-        f"`demonstrations: {{file: ../tasks/demonstrations/{UNSAFE}}}` in the task file.\n\n"
+        f"`demonstrations.file: ../tasks/demonstrations/{UNSAFE}`.\n\n"
     )
     usual = book.usual("carlo", "tiloil")
     unsafe = _with(book, "carlo", "tiloil", {"file": f'"{UNSAFE}"'})
@@ -106,15 +103,15 @@ def table_3(book: Book) -> str:
         cells.append(cell(row, f"paper {paper.numbers()['table 3', 'carlo', column].text}"))
     rows = [[title("carlo"), *cells, gap(usual, unsafe), optimum(book.optimum("carlo"))]]
     heads = ["task", "the usual ones", "unsafe or incomplete", "difference [95 %]", "optimum"]
-    return text + table(heads, rows) + HOW
+    return text + table(heads, rows) + _how("carlo")
 
 
 def table_4(book: Book) -> str:
     """TiLoIL with demonstrations cut after so many steps."""
     text = f"# Table 4: the length of demonstrations\n\n{MADE}\n"
     text += (
-        "Each demonstration is cut after 100, 200 or 400 steps (`max_steps`). The usual ones, cut\n"
-        "after two accepting visits and not by steps, stand beside them.\n\n"
+        "Each demonstration is cut after 100, 200 or 400 steps (`demonstrations.max_steps`). The\n"
+        "usual ones, cut after two accepting visits and not by steps, stand beside them.\n\n"
     )
     rows = []
     for task, lengths in LENGTHS.items():
@@ -124,7 +121,7 @@ def table_4(book: Book) -> str:
             cells.append(cell(row, f"paper {paper.numbers()['table 4', task, length].text}"))
         rows.append([title(task), *cells, optimum(book.optimum(task))])
     heads = ["task", "usual", "100 steps", "200 steps", "400 steps", "optimum"]
-    return text + table(heads, rows) + HOW
+    return text + table(heads, rows) + _how(*LENGTHS)
 
 
 def _sizes(book: Book, methods: Sequence[str]) -> str:
@@ -141,6 +138,17 @@ def _sizes(book: Book, methods: Sequence[str]) -> str:
     heads = ["task", "method", "5", "10", "all", "optimum"]
     said = f"\nNot run, in whole or in part: {listed(list(missing))}.\n"
     return table(heads, rows) + (said if missing else "")
+
+
+def _how(*which: str) -> str:
+    """The command that makes the rows of a page."""
+    sweeps = " ".join(SWEEPS.format(name) for name in which)
+    return (
+        "\nThese rows are made, as far as they are not recorded yet, by\n"
+        f"`tiloilc sweep {sweeps}`.\n"
+        "Others are made by settings like `--set demonstrations.count=20`, of `tiloilc sweep` or\n"
+        f"`tiloilc run`, with seeds from {FRESH} on. Records name the demonstrations they are of.\n"
+    )
 
 
 def _with(book: Book, task: str, method: str, changes: dict[str, str]) -> Row | None:
