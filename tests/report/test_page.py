@@ -5,15 +5,18 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
+from tests.conftest import ROOT
 from tests.report.runs import plan, write_run
 from tiloilc.plan import Predicate
 from tiloilc.report import read_run, render, write_report
 from tiloilc.report.page.facts import labels, verdict
+from tiloilc.spec import Demonstrations, read_spec
 
 VOID = {"br", "img", "link", "meta"}
 
@@ -168,6 +171,28 @@ def test_text_from_a_task_file_is_never_markup(tmp_path: Path) -> None:
     assert page.count("<script") == 1
     assert "<img" not in page
     assert "&lt;script&gt;" in page
+
+
+def test_commands_of_a_run_say_the_demonstrations_that_its_task_file_does_not(
+    tmp_path: Path,
+) -> None:
+    text = (ROOT / "specs" / "flatworld_cycle.yaml").read_text(encoding="utf-8")
+    (tmp_path / "flatworld_cycle.yaml").write_text(text, encoding="utf-8")
+    own = read_spec(tmp_path / "flatworld_cycle.yaml").spec.demonstrations
+    assert own is not None
+    given = [own, Demonstrations(file="my demos.npz", count=own.count, actions=own.actions)]
+    commands = []
+    for name, shown in zip("ab", given, strict=True):
+        compiled = replace(plan(), demonstrations=shown, root="..")
+        page = outline(render([read_run(write_run(tmp_path / name, compiled=compiled))]))
+        commands.append("".join(page.texts["code"]))
+    assert "tiloilc compile flatworld_cycle.yaml" in commands[0]
+    assert "demonstrations." not in commands[0].partition("git checkout")[2]
+    assert "tiloilc compile" not in commands[1]
+    assert (
+        "tiloilc run flatworld_cycle.yaml --steps 60000 --set 'demonstrations.file=my demos.npz'"
+        " --set demonstrations.max_visits=null" in commands[1]
+    )
 
 
 def test_commands_of_a_run_quote_what_a_shell_would_read(tmp_path: Path) -> None:

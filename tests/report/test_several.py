@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +55,24 @@ def test_what_all_runs_override_alike_is_in_no_name(tmp_path: Path) -> None:
         ),
     ]
     assert labels(runs) == ["TiLoIL", "TiLoIL · segment=false", "LCER"]
+
+
+def test_other_demonstrations_of_a_task_are_in_the_name_and_among_the_differences(
+    tmp_path: Path,
+) -> None:
+    usual = plan()
+    few = replace(usual, demonstrations=usual.demonstrations.model_copy(update={"count": 2}))
+    folders = [write_run(tmp_path / "a"), write_run(tmp_path / "b", compiled=few)]
+    other = replace(few, name="another")
+    folders.append(write_run(tmp_path / "c", compiled=other, name="another"))
+    runs = [read_run(folder) for folder in folders]
+    count = [f"flatworld_cycle · demonstrations.count={n}" for n in (5, 2)]
+    assert labels(runs) == [*count, "another"]  # which has no other of its task
+    page = render(runs[:2])
+    row = re.search(r"<tr><th[^>]*><code>demonstrations.count</code></th>(.*?)</tr>", page)
+    assert row is not None
+    assert re.findall(r"<code>(\w+)</code>", row[1]) == ["5", "2"]
+    assert "All runs have the same settings." not in page
 
 
 def test_each_run_stands_beside_the_first_of_its_task(tmp_path: Path) -> None:

@@ -38,9 +38,7 @@ class Laid:
 
         Raises CompileError SPEC108 where neither says where they come from.
         """
-        given = {} if own is None else own.model_dump()
-        dotted = {PREFIX + key: value for key, value in given.items()}
-        values = {**beside(dotted, self.values), **self.values}
+        values = {**beside({} if own is None else dotted(own), self.values), **self.values}
         if all(values.get(origin) is None for origin in ORIGINS):
             names = [f"`{name}`" for name in ORIGINS]
             problem = f"`demonstrations` needs one of {', '.join(names[:-1])} and {names[-1]}"
@@ -65,6 +63,12 @@ class Laid:
 
 NOTHING = Laid()
 """A task as its file says."""
+
+
+def dotted(given: Demonstrations) -> dict[str, object]:
+    """A task's demonstrations as settings, without what is nothing."""
+    values = given.model_dump(mode="json", exclude_none=True)
+    return {PREFIX + key: value for key, value in values.items()}
 
 
 def beside(settings: Mapping[str, object], others: Iterable[str]) -> dict[str, object]:

@@ -243,13 +243,16 @@ def labels(runs: Sequence[Run]) -> list[str]:
 
 
 def _changes(runs: Sequence[Run]) -> list[str]:
-    """What each run overrides, without what all of them do alike and what is said anyway."""
-    every = [set(run.overrides.items()) for run in runs]
-    shared = set.intersection(*every)
+    """What each run overrides, without what all of them do alike and what is said anyway.
+
+    Demonstrations are compared with those of runs of the same task.
+    """
+    shared = set.intersection(*(set(run.overrides.items()) for run in runs))
     said = {"algorithm", "preset"}
-    return [
-        ", ".join(
-            f"{k}={v}" for k, v in run.overrides.items() if (k, v) not in shared and k not in said
-        )
-        for run in runs
-    ]
+    texts = []
+    for run in runs:
+        changed = [(k, v) for k, v in run.overrides.items() if (k, v) not in shared]
+        others = [other.shown for other in runs if other.name == run.name]
+        shown = [(k, v) for k, v in run.shown.items() if any(o.get(k) != v for o in others)]
+        texts.append(", ".join(f"{k}={v}" for k, v in (*changed, *shown) if k not in said))
+    return texts

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 
+from tiloilc.diag import CompileError
 from tiloilc.report.markup import Markup, concat, tag
 from tiloilc.report.page import tables
 from tiloilc.report.runs.run import Run
+from tiloilc.spec import Demonstrations, read_spec
+from tiloilc.spec.laid import beside, dotted
 
 __all__ = ["duration", "provenance"]
 
@@ -43,11 +47,30 @@ def _commands(run: Run) -> list[str]:
     changed += "".join(f" --set {shlex.quote(f'{k}={v}')}" for k, v in run.overrides.items())
     digests = {} if run.plan is None else run.plan.digests
     spec = next((key[5:] for key in digests if key.startswith("spec:")), f"{run.name}.yaml")
+    laid = _laid(run, spec)
+    if laid:  # only `run` takes demonstrations that the task file does not say
+        return [*lines, f"tiloilc run {shlex.quote(spec)}{changed}{laid}"]
     lines.append(f"tiloilc compile {shlex.quote(spec)}")
     lines.append(f"tiloilc train {shlex.quote(f'build/{run.name}')}{changed}")
     lines.append(f"tiloilc eval {shlex.quote(f'runs/{run.name}/{run.folder}')}")
     lines.append(f"tiloilc report {shlex.quote(f'runs/{run.name}/{run.folder}')}")
     return lines
+
+
+def _laid(run: Run, spec: str) -> str:
+    """Options for demonstrations in which a run differs from its task file, where that is there."""
+    try:
+        given = read_spec(run.root / spec).spec.demonstrations
+    except CompileError:
+        return ""
+    own = dotted(given or Demonstrations(count=0))  # as a plan has it
+    shown = {name: value for name, value in run.shown.items() if own.get(name) != value}
+    gone = {name: None for name in beside(own, shown) if name not in run.shown}
+    texts = [
+        f"{name}={value if isinstance(value, str) else json.dumps(value)}"
+        for name, value in {**shown, **gone}.items()
+    ]
+    return "".join(f" --set {shlex.quote(text)}" for text in texts)
 
 
 def duration(seconds: float) -> str:

@@ -161,6 +161,8 @@ def _demonstrations(given: dict[str, object]) -> str:
     said = f"{given.get('count')} from {source}"
     if given.get("max_visits"):
         said += f", each cut after {given['max_visits']} visits"
+    if given.get("max_steps"):
+        said += f", each cut after {given['max_steps']} steps"
     return f"{said}, actions {given.get('actions')}"
 
 
@@ -184,7 +186,10 @@ def _value(text: str) -> object:
 
 def differences(runs: Sequence[Run], names: Sequence[str]) -> Markup | None:
     """The settings in which runs differ, one column a run; None if there are none."""
-    given = [settings_of(run) for run in runs]
+    given = [
+        settings_of(run) | {name: _setting(value) for name, value in run.shown.items()}
+        for run in runs
+    ]
     keys = list(dict.fromkeys(key for one in given for key in one))
     rows = []
     for key in keys:

@@ -35,6 +35,7 @@ from tiloilc.report.runs.reading import (
 from tiloilc.report.runs.verification import Verification, read_verification
 
 __all__ = ["Curve", "Final", "Occupancy", "Run", "Trajectories", "read_run"]
+from tiloilc.spec.laid import dotted
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,11 @@ class Run:
     verification: Verification | None
     film: bytes
     notes: tuple[str, ...]
+
+    @property
+    def shown(self) -> dict[str, object]:
+        """Its demonstrations as settings; nothing if there is no plan to tell them."""
+        return {} if self.plan is None else dotted(self.plan.demonstrations)
 
     @property
     def total(self) -> int | None:
