@@ -134,6 +134,8 @@ def test_what_cuts_demonstrations_can_be_set_to_nothing(tmp_path: Path) -> None:
          "grid.demonstrations.max_steps[1]"),
         ("overrides: [{demonstrations.file: }]", "SPEC103", "demonstrations.file", "is empty"),
         ("overrides: [{demonstrations.file: none.npz}]", "DEMO500", "none.npz", "none.npz"),
+        ("overrides: [{demonstrations.count: 2}]\ngrid: {demonstrations.file: [none.npz]}",
+         "DEMO500", "none.npz", "none.npz"),
         ("grid: {demonstrations.minari: [no/such-v0]}", "DEMO500", "no/such-v0", "no/such-v0"),
         ("overrides: [{demonstrations.actions: recorded, demonstrations.file: bare.npz}]",
          "DEMO505", "bare.npz", "actions"),
