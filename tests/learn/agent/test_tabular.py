@@ -262,6 +262,20 @@ def test_episodes_that_end_together_have_each_their_own_length() -> None:
     assert taken(found) == [[[(0, 2)], [(0, 2), (1, 1), (2, 0)]]]
 
 
+def test_an_episode_can_be_one_step_of_one_agent() -> None:
+    """Arrays of one number are contiguous whatever they are views of; none is written to."""
+    found = agent(seeds=1)
+    zero = np.zeros((1, 1), np.int64)
+    found.record(
+        zero[..., None] * 1.0, zero + 10, zero[..., None] * 1.0, zero, zero, zero > 0, zero
+    )
+    found.finish(zero == 0, zero + 1)
+    assert taken(found) == [[[(0, 0)]]]
+    found.closed[0].age += 1  # it is the trail's own
+    found.finish(zero == 0, zero + 1)
+    assert found.closed[1].age.tolist() == [[0]]
+
+
 def test_more_steps_than_an_episode_has_push_out_the_oldest() -> None:
     """Of 10 at most, in each copy; the last episode begins behind the turn of the ring."""
     found = agent(seeds=1)

@@ -100,8 +100,7 @@ _ROWS = ("observation", "action", "after", "state", "letter", "terminal", "arriv
 
 def _by_seed(rows: NDArray[Any]) -> Tensor:
     """Rows [step, seed, copy, …] as [seed, step · copy, …]."""
-    moved = np.ascontiguousarray(rows.swapaxes(0, 1))
-    return torch.from_numpy(moved).flatten(1, 2)
+    return torch.from_numpy(rows.swapaxes(0, 1).copy()).flatten(1, 2)
 
 
 def in_each_state(trail: Trail, states: Tensor) -> Trail:
