@@ -271,7 +271,7 @@ def test_an_episode_can_be_one_step_of_one_agent() -> None:
     )
     found.finish(zero == 0, zero + 1)
     assert taken(found) == [[[(0, 0)]]]
-    found.closed[0].age += 1  # it is the trail's own
+    found.closed[0].age.add_(1)  # it is the trail's own
     found.finish(zero == 0, zero + 1)
     assert found.closed[1].age.tolist() == [[0]]
 

@@ -48,7 +48,15 @@ class Recent:
         arrived: Int,
     ) -> None:
         """Keep one step of each copy, [seed, copy, …]."""
-        step = (observation, action, after, state, letter, terminal, arrived)
+        step: tuple[NDArray[Any], ...] = (
+            observation,
+            action,
+            after,
+            state,
+            letter,
+            terminal,
+            arrived,
+        )
         for name, column in zip(_ROWS, step, strict=True):
             if name not in self.rows:
                 self.rows[name] = np.zeros((self.horizon, *column.shape), dtype=column.dtype)
