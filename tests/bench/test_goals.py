@@ -179,7 +179,8 @@ def test_the_page_marks_what_is_missed_and_tells_where_the_time_goes() -> None:
         Measurement("start", Spread.of([0.123]), "s", goal=0.4),
         Measurement("memory", Spread.of([1234.5]), "MiB"),
     ]
-    page = benchmarks_page({"sac": rows}, [Share("aten::mm", 1.5, 4)], {"torch": "2.13.0"})
+    profiles = {"One seed": [Share("aten::mm", 1.5, 4)], "Ten": [Share("aten::bmm", 3.0, 2)]}
+    page = benchmarks_page({"sac": rows}, profiles, {"torch": "2.13.0"})
     assert (
         "| fast | updates/s | 250 (225–275) | theirs | 100 | 2.5× (2.25–2.75) | ≥ 2× | yes |"
         in page
@@ -189,7 +190,9 @@ def test_the_page_marks_what_is_missed_and_tells_where_the_time_goes() -> None:
     assert "| start | s | 0.123 | – | – | – | ≤ 0.4 s | yes |" in page
     assert "| memory | MiB | 1,234 | – | – | – | – | – |" in page
     assert "1 of 4 goals are missed." in page
+    assert "### One seed: 1.50 ms" in page
     assert "| `aten::mm` | 4 | 1.500 | 100% |" in page
+    assert "### Ten: 3.00 ms" in page
 
 
 def test_cold_commands_are_timed(monkeypatch: pytest.MonkeyPatch) -> None:

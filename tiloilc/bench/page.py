@@ -31,12 +31,21 @@ memory that is there, by the faster of torch's and numpy's libraries; nothing is
 """
 
 
+PROFILES = """\
+## Where the time of an update goes
+
+Our own updates by PyTorch's profiler: time in each operation without those that it calls, to which
+the profiler adds its own. `bmm` are the matrix products; what begins with `graph` are loops that
+the compiler made of everything between them, the optimiser's steps among it.
+"""
+
+
 def benchmarks_page(
     parts: Mapping[str, Sequence[Measurement]],
-    profile: Sequence[Share],
+    profiles: Mapping[str, Sequence[Share]],
     versions: Mapping[str, str],
 ) -> str:
-    """The page of all measurements, by part."""
+    """The page of all measurements, by part; `profiles` say whose update each is of."""
     told = ", ".join(f"{name} {number}" for name, number in versions.items())
     rows = [row for part in parts.values() for row in part]
     lines = [_line(row) for row in rows]
@@ -44,8 +53,9 @@ def benchmarks_page(
     page = [HEAD.format(machine=machine(), versions=told), table(columns, lines), UPDATES]
     missed = sum(row.missed for row in rows)
     page.append(f"{missed} of {sum(row.goal is not None for row in rows)} goals are missed.\n")
-    if profile:
-        page.append(_profile(profile))
+    if profiles:
+        page.append(PROFILES)
+        page += [_profile(title, shares) for title, shares in profiles.items()]
     return "\n".join(page)
 
 
@@ -82,15 +92,11 @@ def _number(value: float) -> str:
     return f"{value:.3g}"
 
 
-def _profile(profile: Sequence[Share]) -> str:
+def _profile(title: str, profile: Sequence[Share]) -> str:
     total = sum(share.ms for share in profile)
     lines = [
         [f"`{share.operation}`", f"{share.calls:.3g}", f"{share.ms:.3f}", f"{share.ms / total:.0%}"]
         for share in profile
     ]
-    text = (
-        "## Where the time of an update goes\n\n"
-        "Our own update, K = 4, by PyTorch's profiler: time in each operation without those that\n"
-        f"it calls, {total:.2f} ms in all, to which the profiler adds its own.\n\n"
-    )
-    return text + table(("operation", "calls", "ms", "share"), lines)
+    head = f"### {title}: {total:.2f} ms\n\n"
+    return head + table(("operation", "calls", "ms", "share"), lines)

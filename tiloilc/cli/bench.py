@@ -112,12 +112,15 @@ def _learning(part: Part, rounds: int, tell: Tell) -> list[Measurement]:
 
 
 def _goals(found: Mapping[str, list[Measurement]], tell: Tell) -> str:
-    """The page of the table of goals; a profile is on it where updates were measured."""
+    """The page of the table of goals; profiles are on it where updates were measured."""
     from tiloilc.bench.page import benchmarks_page
-    from tiloilc.bench.sac import JUDGED
+    from tiloilc.bench.sac import OURS_JUDGED
+    from tiloilc.bench.stacked import OURS
     from tiloilc.bench.turns import profile, versions
 
-    return benchmarks_page(found, profile(JUDGED) if Part.SAC in found else (), versions())
+    ours = {"One seed, K = 4": (Part.SAC, OURS_JUDGED), "Ten seeds, 64 wide": (Part.STACKED, OURS)}
+    profiles = {title: profile(one.work) for title, (part, one) in ours.items() if part in found}
+    return benchmarks_page(found, profiles, versions())
 
 
 def _automata(
