@@ -20,7 +20,7 @@ class Ink:
 METHODS: dict[str, tuple[str, Ink]] = {
     "tiloil": ("TiLoIL", Ink("#0068b3", "#58aef2", width=2.8)),
     "lcer": ("LCER", Ink("#c77f00", "#f2b13c")),
-    "cycler": ("Cycler", Ink("#00875f", "#3ccb9d")),
+    "cycler": ("CyclER", Ink("#00875f", "#3ccb9d")),
     "drl2": ("DRL²", Ink("#cf4f00", "#ff8a4c")),
     "gail": ("GAIL", Ink("#ad4f86", "#eb9fcd", "7 3")),
     "pwil": ("PWIL", Ink("#2a93cf", "#93d6fb", "7 3")),
