@@ -19,7 +19,7 @@ def records(
     points = [{"step": 1000 * (i + 1), **judged(row)} for i, row in enumerate(curve or [])]
     evaluation = {
         "name": "flatworld_cycle", "algorithm": "tiloil", "preset": "default",
-        "overrides": {"beta": 0.0, "gamma": 0.8, "first_seed": first_seed}, "steps": 36_000,
+        "overrides": {"beta": 0.0, "gamma": 0.8, "first_seed": first_seed}, "steps": 54_000,
         "seeds": list(range(first_seed, first_seed + n)), "greedy": judged(visits),
         "last": judged(visits), "stochastic": judged(visits), "cloning": None, "curve": points,
         "optimum": {"accepting_visits": 4.0, "exact": False, "how": "lattice"},

@@ -108,7 +108,7 @@ def test_a_row_of_all_names_its_spread_its_bound_and_its_records(
     files: dict[str, TaskFile],
 ) -> None:
     row = line_of(every.page(Book.of(records([2.0, 4.0]), files)), "| <a id=")
-    assert "`flatworld_cycle` | tiloil default beta=0 gamma=0.8 | 2 | 36,000 | 3.00 ± 1.41 |" in row
+    assert "`flatworld_cycle` | tiloil default beta=0 gamma=0.8 | 2 | 54,000 | 3.00 ± 1.41 |" in row
     end = "| – | ≥ 4 | seeds [200–201](../../results/flatworld_cycle.jsonl.gz) at abcdef0 |"
     assert row.endswith(end)
 
@@ -169,7 +169,7 @@ def test_a_section_has_returns_efficiency_and_the_command_for_what_is_missing(
 
 def test_shorter_rows_say_so_in_their_cell(files: dict[str, TaskFile]) -> None:
     page = learning.figure_3(Book.of(records([2.0], steps=9_000), files))
-    assert "<sub>1\u00a0×\u00a09k\u00a0of\u00a036k</sub>" in page
+    assert "<sub>1\u00a0×\u00a09k\u00a0of\u00a054k</sub>" in page
 
 
 def test_parts_left_out_stand_beside_the_whole(files: dict[str, TaskFile]) -> None:

@@ -72,7 +72,7 @@ def test_the_usual_row_has_the_task_files_settings_and_is_the_longest(
     files: dict[str, TaskFile],
 ) -> None:
     found = records([1.0], steps=9_000)
-    found += records([2.0], steps=36_000)
+    found += records([2.0], steps=54_000)
     found += records([3.0], overrides={"gamma": 0.8}, steps=90_000)
     found += records([4.0], demonstrations={"source": "expert", "count": 10}, steps=90_000)
     found += records([5.0], preset="paper", overrides={})
@@ -113,7 +113,7 @@ def test_without_a_family_the_usual_row_stands_alone(files: dict[str, TaskFile])
 def test_a_row_says_what_it_lacks(files: dict[str, TaskFile]) -> None:
     assert rows_of(records([1.0] * 10), files)[0].lacks == ""
     (row,) = rows_of(records([1.0], steps=9_000), files)
-    assert row.lacks == "1 seed, 9,000 of 36,000 steps"
+    assert row.lacks == "1 seed, 9,000 of 54,000 steps"
 
 
 def test_a_curve_has_the_steps_that_all_seeds_share(files: dict[str, TaskFile]) -> None:
