@@ -14,7 +14,7 @@ from torch import Tensor
 from tiloilc.learn.algorithm.method import Episode, Method
 from tiloilc.learn.engine.replay import Batch
 from tiloilc.learn.engine.state import State, under, with_prefix
-from tiloilc.product import Floats, Int
+from tiloilc.product import Int
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,26 +37,8 @@ class Recent:
         self.rows: dict[str, NDArray[Any]] = {}
         self.taken = 0
 
-    def add(
-        self,
-        observation: Floats,
-        action: Int,
-        after: Floats,
-        state: Int,
-        letter: Int,
-        terminal: NDArray[np.bool_],
-        arrived: Int,
-    ) -> None:
-        """Keep one step of each copy, [seed, copy, …]."""
-        step: tuple[NDArray[Any], ...] = (
-            observation,
-            action,
-            after,
-            state,
-            letter,
-            terminal,
-            arrived,
-        )
+    def add(self, *step: NDArray[Any]) -> None:
+        """Keep one step of each copy: the columns of `_ROWS` in their order, [seed, copy, …]."""
         for name, column in zip(_ROWS, step, strict=True):
             if name not in self.rows:
                 self.rows[name] = np.zeros((self.horizon, *column.shape), dtype=column.dtype)
@@ -75,22 +57,19 @@ class Recent:
     def episodes(self, method: Method, over: NDArray[np.bool_], length: Int) -> Trail:
         """The episodes of the copies in `over`, of `length` steps; `method` judges them."""
         steps = int(length[over].max())
+        at = np.arange(self.taken - steps, self.taken) % self.horizon
+        *columns, arrived = (self.rows[name][at] for name in _ROWS)
         kept = np.zeros((steps, *over.shape, self.kept), dtype=np.float32)
         if self.kept:
-            after, state, arrived = (self._last(steps, n) for n in ("after", "state", "arrived"))
+            _, _, after, state, *_ = columns
             for seed, copy in np.argwhere(over):
                 mine = slice(steps - int(length[seed, copy]), None), seed, copy
                 kept[mine] = method.judge(Episode(after[mine], state[mine], arrived[mine]))
         age = np.arange(steps)[::-1, None, None]
         valid = over & (age < length)
-        columns = [self._last(steps, name) for name in _ROWS[:-1]]
         rows = (*columns, kept, np.zeros_like(valid), valid, np.broadcast_to(age, valid.shape))
         *batch, valid_ones, ages = (_by_seed(column) for column in rows)
         return Trail(Batch(*batch), valid_ones, ages)
-
-    def _last(self, steps: int, name: str) -> NDArray[Any]:
-        at = np.arange(self.taken - steps, self.taken) % self.horizon
-        return self.rows[name][at]
 
     def state(self) -> State:
         """All of it."""
