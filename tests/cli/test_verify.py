@@ -7,6 +7,7 @@ import pytest
 from safetensors.torch import load_file, save_file
 
 from tests.cli.running import Run, runner
+from tiloilc.evaluate import read
 
 CORRIDOR = """\
 name: corridor
@@ -91,6 +92,38 @@ def test_exact_probabilities_are_printed_written_and_drawn(trained: Path, run: R
     assert "`z` became true in stage 0" in picture
 
 
+def test_walks_are_told_beside_what_is_exact_and_recorded(trained: Path, run: Run) -> None:
+    asked = ("verify", trained, "--walk", "50", "--episodes", "8", "-q")
+    status, out, err = run(*asked, "--record", "r.jsonl.gz")
+    assert (status, out) == (1, "")
+    assert f"evaluate it first: tiloilc eval {trained}" in err
+    assert run("eval", trained, "-q")[0] == 0
+    status, out, err = run(*asked, "--record", "r.jsonl.gz")
+    assert (status, err) == (0, "")
+    assert out.startswith(
+        "corridor: F a & G !z\n"
+        "policy `best`, without a time limit: exact, by Storm\n"
+        "beside 8 walks of 50 steps, fine without violation and with an accepting visit in the"
+        " second half\n"
+        "  seed  probability           its Markov chain    fine walks  95 % bounds\n"
+        "     0  1                     18 states                  8/8  0.6306 – 1.0000\n"
+        "     1  0                     4 states                   0/8  0.0000 – 0.3694\n"
+    )
+    first, second = (record.fields for record in read(Path("r.jsonl.gz")))
+    assert (first["seed"], first["name"], first["algorithm"]) == (0, "corridor", "tiloil")
+    assert first["steps"] == 300
+    assert first["walked"] == {"confidence": 0.95, "episodes": 8, "steps": 50}
+    assert (first["reason"], first["verified"]["fraction"]) == (None, "1")  # type: ignore[index,call-overload]
+    assert str(second["reason"]).startswith("step 1: `z` became true in stage 0")
+    assert run(*asked, "--record", "r.jsonl.gz", "--seed", "1")[0] == 0
+    assert len(read(Path("r.jsonl.gz"))) == 2, "an agent is recorded once"
+    simulate = ("verify", trained, "--method", "simulate", "--episodes", "8", "-q")
+    assert run(*simulate, "--record", "s.jsonl.gz")[0] == 0
+    played = read(Path("s.jsonl.gz"))[0].fields
+    assert played["trials"] == {"confidence": 0.95, "horizon": 17, "visits": 1}
+    assert played["walked"] is None
+
+
 def test_json_on_standard_output_is_what_is_written(trained: Path, run: Run) -> None:
     status, out, _ = run("verify", trained, "--format", "json", "-q")
     assert status == 0
@@ -158,6 +191,8 @@ def test_wrong_usage_is_told_in_a_line(workdir: Path, run: Run) -> None:
     for arguments, said in (
         (("nowhere",), "there is no `nowhere`"),
         (("grid_avoid_easy", "--seed", "3"), "--seed is about a run"),
+        (("grid_avoid_easy", "--record", "x.jsonl.gz"), "--record is about a run"),
+        ((".", "--walk", "9", "--method", "simulate"), "--walk goes beside what is exact"),
         (("grid_avoid_easy", "-o", "x.gif"), "x.svg or x.png, not `x.gif`"),
         ((".",), "no plan in `.`"),
     ):

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from tiloilc.evaluate.verify import Verification
     from tiloilc.evaluate.verify.exact import Exact
-    from tiloilc.evaluate.verify.results import Sampled, Simulated
+    from tiloilc.evaluate.verify.results import Sampled, Simulated, Walked
 
 SHORT = 11
 """Letters of a fraction beyond which it says less than its decimals."""
@@ -55,15 +55,27 @@ def number(value: Fraction) -> str:
 
 
 def _exact(found: Verification) -> Iterator[str]:
+    about = found.walked
     yield f"policy `{found.policy}`, without a time limit: exact, by Storm"
-    yield f"{'seed':>6}  {'probability':<22}{'its Markov chain':<18}".rstrip()
+    heads = f"{'seed':>6}  {'probability':<22}{'its Markov chain':<18}"
+    if about is not None:
+        yield (
+            f"beside {about.episodes:,} walks of {about.steps:,} steps, fine without violation and"
+            " with an accepting visit in the second half"
+        )
+        heads += f"{'fine walks':>12}  {_percent(about)} bounds"
+    yield heads.rstrip()
     for judged in found.judged:
         exact: Exact = judged.found  # type: ignore[assignment]  # nothing was simulated
         shown = f"{'≥ ' if exact.at_least else ''}{number(exact.probability)}"
-        note = ""
+        chain, walks, note = f"{exact.nodes:,} states", "", ""
+        if judged.walked is not None:
+            walked = judged.walked
+            fine = f"{walked.fine}/{walked.episodes}"
+            walks = f"{fine:>12}  {_bounds(walked)}{'' if judged.agrees else ', which miss it'}"
         if exact.accepted != exact.probability:
             note = f"  its own run of the automaton accepts with {number(exact.accepted)}"
-        yield f"{judged.seed:>6}  {shown:<22}{exact.nodes:,} states{note}"
+        yield f"{judged.seed:>6}  {shown:<22}{chain:<18}{walks}{note}".rstrip()
 
 
 def _simulated(found: Verification, about: Simulated) -> Iterator[str]:
@@ -107,7 +119,7 @@ def _fine(about: Simulated) -> str:
     return f"no violation and {visits} within {about.horizon} steps"
 
 
-def _percent(about: Simulated) -> str:
+def _percent(about: Simulated | Walked) -> str:
     return f"{about.confidence * 100:.6g} %"
 
 

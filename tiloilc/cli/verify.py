@@ -12,6 +12,7 @@ import typer
 from tiloilc.cli.console import Quiet, fail, guests, say
 from tiloilc.cli.jobs import EVENTS, open_job
 from tiloilc.cli.logic.subjects import subject_of
+from tiloilc.cli.run import Record
 from tiloilc.cli.tasks import task_file
 from tiloilc.cli.verified import lines
 
@@ -82,6 +83,15 @@ def command(
     time_limit: Annotated[
         float, typer.Option("--time-limit", min=0.1, help="Seconds for each of Storm's answers.")
     ] = 600.0,
+    walk: Annotated[
+        int | None,
+        typer.Option(
+            "--walk",
+            metavar="STEPS",
+            min=2,
+            help="Have each agent walk so far, too: does that agree with what is exact?",
+        ),
+    ] = None,
     at_least: Annotated[
         float | None,
         typer.Option("--at-least", min=0.0, max=1.0, help="Exit with 1 unless this is shown."),
@@ -93,6 +103,7 @@ def command(
             "-o", "--out", help="The counterexample, x.svg or x.png.  [default: in the run folder]"
         ),
     ] = None,
+    record: Record = None,
     quiet: Quiet = False,
 ) -> None:
     """Say how likely the policies of a run satisfy the formula.
@@ -104,10 +115,13 @@ def command(
     and where that is not exact, what its expert achieves.
     """
     given = {
-        "--policy": policy, "--seed": seed, "--method": method, "-o": out,
+        "--policy": policy, "--seed": seed, "--method": method, "--walk": walk, "-o": out,
+        "--record": record,
     }  # fmt: skip
     if out is not None and out.suffix.lower() not in (".svg", ".png"):
         raise fail(f"a counterexample is drawn as x.svg or x.png, not `{out.as_posix()}`")
+    if walk is not None and method is Method.SIMULATE:
+        raise fail("--walk goes beside what is exact, and --method simulate leaves that out")
     from tiloilc.evaluate.verify import Wanted
 
     wanted = Wanted(
@@ -119,10 +133,11 @@ def command(
         half_width=precision,
         visits=visits,
         time_limit=time_limit,
+        steps=walk,
     )
     run = Path(subject)
     if run.is_dir() and ((run / EVENTS).is_file() or (run / "checkpoints").is_dir()):
-        found = _verified_run(run, wanted, out, quiet)
+        found = _verified_run(run, wanted, out, record, quiet)
     else:
         if about_runs := [name for name, value in given.items() if value is not None]:
             raise fail(f"{about_runs[0]} is about a run, and `{subject}` is none")
@@ -135,13 +150,20 @@ def command(
         raise typer.Exit(1)
 
 
-def _verified_run(run: Path, wanted: Wanted, out: Path | None, quiet: bool) -> Verification:
-    """The policies of a run; writes `verify.json` and the picture."""
+def _verified_run(
+    run: Path, wanted: Wanted, out: Path | None, record: Path | None, quiet: bool
+) -> Verification:
+    """The policies of a run; writes `verify.json`, the picture and records."""
     from tiloilc.driver import write_file
-    from tiloilc.evaluate.verify import VERIFY, verify_run
+    from tiloilc.evaluate import append, read, records_of_run
+    from tiloilc.evaluate.verify import VERIFY, records_of, verify_run
     from tiloilc.report.pictures import png_of, svg_of
     from tiloilc.report.pictures.counterexample import counterexample_picture
 
+    if record is not None:  # what is in the way is found out now
+        records_of_run(run)
+        if record.exists():
+            read(record)
     with open_job(run) as job:
         found = verify_run(
             job.plan, job.demos, job.labels, run, wanted, lambda text: say(text, quiet)
@@ -151,6 +173,8 @@ def _verified_run(run: Path, wanted: Wanted, out: Path | None, quiet: bool) -> V
             drawn = counterexample_picture(job.plan, wanted.policy, found.counterexamples[0])
     write_file(run / VERIFY, json.dumps(found.to_json(), indent=1) + "\n")
     say(f"wrote {(run / VERIFY).as_posix()}", quiet)
+    if record is not None:
+        append(record, records_of(found, run))
     picture = out or run / PICTURE
     if drawn is not None:
         picture.parent.mkdir(parents=True, exist_ok=True)

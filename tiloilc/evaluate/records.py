@@ -198,7 +198,9 @@ def _load(run: Path, name: str) -> dict[str, Json]:
     try:
         value = json.loads((run / name).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise _unreadable(run, f"{name}: {_reason(error)}") from None
+        absent = name == "eval.json" and isinstance(error, FileNotFoundError)
+        help = f"evaluate it first: tiloilc eval {run.as_posix()}" if absent else ""
+        raise _unreadable(run, f"{name}: {_reason(error)}", help) from None
     if not isinstance(value, dict):
         raise _unreadable(run, f"{name} is no JSON object")
     return value
@@ -221,5 +223,5 @@ def _reason(error: Exception) -> str:
     return "the file is damaged"
 
 
-def _unreadable(path: Path, problem: str) -> CompileError:
-    return CompileError(Diagnostic.of("RUN701", path=str(path), problem=problem))
+def _unreadable(path: Path, problem: str, help: str = "") -> CompileError:
+    return CompileError(Diagnostic.of("RUN701", path=str(path), problem=problem, help=help))

@@ -6,9 +6,10 @@ import pytest
 
 from tests.learn.examples import plan
 from tests.plan.automata import stabilization
+from tiloilc.evaluate.statistics import Interval
 from tiloilc.evaluate.verify import Verification
 from tiloilc.evaluate.verify.exact import Exact, Maximum
-from tiloilc.evaluate.verify.results import Judged
+from tiloilc.evaluate.verify.results import Judged, Sampled
 
 
 def found(probability: Fraction) -> Verification:
@@ -31,3 +32,13 @@ def test_what_is_short_of_certain_by_less_than_floats_can_tell_is_short_of_it() 
     assert float(nearly.judged[0].found.probability) == 1  # type: ignore[union-attr]
     assert not nearly.possible(1.0)
     assert nearly.missing(1.0) == (3,)
+
+
+@pytest.mark.parametrize(("accepted", "agrees"), [(0.9, True), (0.96, False), (0.8, False)])
+def test_walks_are_held_against_the_agents_own_run_of_the_automaton(
+    accepted: float, agrees: bool
+) -> None:
+    known = Exact(Fraction(1), Fraction(str(accepted)), False, 4)
+    walked = Sampled(9, 1, 10, Interval(0.85, 0.95), Interval(0.0, 0.2))
+    assert Judged(3, known, walked).agrees is agrees
+    assert Judged(3, known).agrees

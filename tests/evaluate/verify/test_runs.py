@@ -93,6 +93,33 @@ def test_what_storm_says_of_a_policy_a_long_simulation_confirms(
     assert played.simulated.alike == (1,), "who never plays sees the same every time"
 
 
+def test_long_walks_agree_with_what_is_exact_of_a_gamble_too(gambled: tuple[Task, Path]) -> None:
+    task, run = gambled
+    wanted = Wanted(steps=60, episodes=400, confidence=0.999)
+    found = verify_run(*task, run, wanted)
+    assert exact(found) == [Fraction(9, 10), 0]
+    assert found.walked is not None
+    assert (found.walked.steps, found.walked.episodes) == (60, 400)
+    for judged in found.judged:
+        assert judged.walked is not None
+        assert judged.walked.episodes == 400
+        assert judged.agrees
+    lost = [judged.walked.violated for judged in found.judged]  # type: ignore[union-attr]
+    assert 0 < lost[0] < 100
+    assert lost[1] == 0, "who never plays loses nothing, and wins nothing"
+    assert verify_run(*task, run, Wanted()).walked is None
+
+
+def test_a_walk_that_no_longer_accepts_is_not_fine() -> None:
+    accepting = np.zeros((1, 3, 10), np.bool_)
+    accepting[0, 0, [2, 7]] = accepting[0, 1, 4] = accepting[0, 2, 5] = True
+    violated = np.array([[False, False, True]])
+    trials = simulated.Trials(violated, accepting, np.array([False]))
+    assert trials.lasting().tolist() == [[True, False, False]]
+    assert trials.fine(1).tolist() == [[True, True, False]]
+    assert trials.fine(2).tolist() == [[True, False, False]]
+
+
 def test_no_two_agents_share_an_episode(gambled: tuple[Task, Path]) -> None:
     task, run = gambled
     told(run, worlds.PLAY, worlds.PLAY)

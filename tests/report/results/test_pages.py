@@ -22,6 +22,7 @@ from tiloilc.report.results.pages import (
     index,
     learning,
     readme,
+    verified,
 )
 from tiloilc.report.results.tasks import TaskFile, read_tasks
 from tiloilc.report.results.write import files as all_files
@@ -295,3 +296,63 @@ def test_the_command_writes_what_there_is_and_prints_the_records_of_a_row(
 def test_tasks_weigh_the_same_in_their_mean() -> None:
     middle, interval = mean_of_tasks([np.zeros(1), np.ones(9)])
     assert (middle, interval.low, interval.high) == pytest.approx((0.5, 0.5, 0.5))
+
+
+def verifications(found: list[Record], *chances: float, **changes: object) -> list[Record]:
+    """What `verify` could have recorded of the runs: who is certain, and who is not at all."""
+    made = []
+    for record, chance in zip(found, chances, strict=True):
+        agent = {"probability": chance, "fraction": f"{chance:g}", "agrees": chance != 0.5}
+        about = {
+            "method": "exact", "policy": "best", "verified": agent,
+            "maximum": {"probability": 1.0, "fraction": "1", "exact": True, "how": "Storm"},
+            "walked": {"confidence": 0.95, "episodes": 20, "steps": 400},
+            "reason": None if chance == 1 else f"step {chance:g}: lost", **changes,
+        }  # fmt: skip
+        made.append(Record.of({**record.fields, **about}))
+    return made
+
+
+def test_what_was_verified_stands_beside_its_row(files: dict[str, TaskFile]) -> None:
+    mine, other = records([4.0, 4.0, 4.0]), lcer([1.0, 2.0])
+    checked = [*verifications(mine, 1.0, 1.0, 1.0), *verifications(other, 0.5, 0.0)]
+    book = Book.of([*mine, *other], files, checked)
+    page = verified.page(book)
+    line = line_of(page, "| FlatWorld Cycle | 1 |")
+    assert "[3 of 3](all.md#" in line
+    assert "[0 of 2](all.md#" in line
+    assert line.endswith(
+        "<br><sub>mean 0.250</sub> | not run | not run | not run | not run | not run |"
+    )
+    assert "20 walks of 400 steps" in page
+    assert "hold the exact probability for 4 of 5 agents." in page
+    assert "They do not for FlatWorld Cycle LCER seed 200." in page
+    assert "| FlatWorld Cycle | LCER | 200–201 | seed 201: step 0: lost |" in page
+
+
+def test_what_was_verified_of_other_settings_is_not_shown(files: dict[str, TaskFile]) -> None:
+    mine = records([4.0, 4.0])
+    tried = records([4.0, 4.0], overrides={"beta": 0.2, "gamma": 0.8})
+    book = Book.of([*mine, *tried], files, verifications(tried, 1.0, 1.0))
+    assert "Nothing was verified yet." in verified.page(book)
+
+
+def test_trials_are_pooled_and_named(files: dict[str, TaskFile]) -> None:
+    mine = records([4.0, 4.0])
+    trials = {"confidence": 0.95, "horizon": 50, "visits": 1}
+    agents = [
+        {"probability": p, "fine": round(p * 100), "episodes": 100, "low": p - 0.1, "high": p}
+        for p in (1.0, 0.9)
+    ]
+    checked = [
+        Record.of({**record.fields, "verified": agent})
+        for record, agent in zip(
+            verifications(mine, 1.0, 0.9, method="simulated", walked=None, trials=trials),
+            agents,
+            strict=True,
+        )
+    ]
+    page = verified.page(Book.of(mine, files, checked)).replace("\u00a0", " ")
+    assert "[0.9500](all.md#" in page
+    assert "<sub>agents 0.800 to 1.000<br>≥ 1 in 50 steps</sub>" in page
+    assert "| FlatWorld Cycle | TiLoIL | 201 | seed 201: step 0.9: lost |" in page

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from fractions import Fraction
 
 from tiloilc.evaluate.seeds import EVALUATION
@@ -36,10 +36,22 @@ class Sampled:
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """One agent: what is known of it exactly, or from trials."""
+    """One agent: what is known of it exactly, or from trials.
+
+    `walked` are the long walks that should agree with what is known exactly.
+    """
 
     seed: int
     found: Exact | Sampled
+    walked: Sampled | None = None
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the bounds of its walks hold what its own run of the automaton accepts."""
+        if self.walked is None or isinstance(self.found, Sampled):
+            return True
+        bounds = self.walked.bounds
+        return bounds.low <= self.found.accepted <= bounds.high
 
     @property
     def probability(self) -> float:
@@ -89,9 +101,21 @@ class Simulated:
     alike: tuple[int, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Walked:
+    """Walks in the environment beside what is exact: `episodes` of each agent, of `steps` steps.
+
+    One is fine if it does not violate and comes to acceptance in its second half, too.
+    """
+
+    confidence: float
+    episodes: int
+    steps: int
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Verification:
-    """The whole of it. `simulated` is None where all is exact.
+    """The whole of it. `simulated` is None where all is exact, and `walked` where nobody walked.
 
     Of a task alone nobody is judged; trials are those of its `expert`, if it has one. `why` says
     why it is not exact. `counterexamples` begin with that of the agent that does worst.
@@ -105,6 +129,7 @@ class Verification:
     counterexamples: tuple[Counterexample, ...]
     why: str = ""
     expert: str = ""
+    walked: Walked | None = None
 
     def missing(self, wanted: float) -> tuple[int, ...]:
         """The seeds of agents of which it is not shown that they reach `wanted`."""
@@ -132,6 +157,7 @@ class Verification:
             "why_not_exact": self.why or None,
             "agents": [_judged_json(judged) for judged in self.judged],
             "simulated": _simulated_json(self.simulated),
+            "walked": None if self.walked is None else asdict(self.walked),
             "maximum": None
             if maximum is None
             else {
@@ -183,6 +209,8 @@ def _judged_json(judged: Judged) -> dict[str, object]:
         "at_least": found.at_least,
         "accepted_by_its_own_run": float(found.accepted),
         "chain_states": found.nodes,
+        "walked": None if judged.walked is None else _sampled_json(judged.walked),
+        "agrees": None if judged.walked is None else judged.agrees,
     }
 
 

@@ -22,23 +22,29 @@ CHUNK = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trials:
-    """What each agent achieved in the same episodes, [seed, episode].
+    """What each agent achieved in its episodes.
 
-    `violated`: a step led into the sink, or the first label did. `visits` counts accepting states
-    that steps led to. `alike`: all episodes of an agent passed the same automaton states.
+    violated   bool [seed, episode], a step led into the sink, or the first label did
+    accepting  bool [seed, episode, T], steps that led to an accepting state
+    alike      bool [seed], all episodes of an agent passed the same automaton states
     """
 
     violated: NDArray[np.bool_]
-    visits: Int
+    accepting: NDArray[np.bool_]
     alike: NDArray[np.bool_]
 
     def of(self, agents: list[int]) -> Trials:
         """Those of some agents alone."""
-        return Trials(self.violated[agents], self.visits[agents], self.alike[agents])
+        return Trials(self.violated[agents], self.accepting[agents], self.alike[agents])
 
     def fine(self, visits: int) -> NDArray[np.bool_]:
         """Who did not violate and came to acceptance so often, [seed, episode]."""
-        return ~self.violated & (self.visits >= visits)
+        return np.asarray(~self.violated & (self.accepting.sum(axis=2) >= visits))
+
+    def lasting(self) -> NDArray[np.bool_]:
+        """Who did not violate and accepted in the second half of the time too, [seed, episode]."""
+        half = self.accepting.shape[2] // 2
+        return np.asarray(~self.violated & self.accepting[..., half:].any(axis=2))
 
 
 class Simulation:
@@ -54,19 +60,19 @@ class Simulation:
 
     def play(self) -> Trials:
         """All episodes. Raises CompileError RUN707 if the environment fails."""
-        violated, visits = [], []
+        violated, accepting = [], []
         first, alike = None, np.ones(self.plan.train.seeds, np.bool_)
         for start in range(0, self.episodes, self.chunk):
             rollout = self.arena.play(self.policy, self._seeds(start, self.chunk))
             kept = min(self.chunk, self.episodes - start)
             violated.append(np.asarray(rollout.sink[:, :kept].any(axis=2)))
-            visits.append(rollout.accepting[:, :kept, 1:].sum(axis=2))
+            accepting.append(rollout.accepting[:, :kept, 1:])
             path: Int = np.where(rollout.over, -1, rollout.states)[:, :kept]
             first = path[:, :1] if first is None else first
             alike &= np.array(
                 [bool((one == same).all()) for one, same in zip(path, first, strict=True)]
             )
-        return Trials(np.concatenate(violated, 1), np.concatenate(visits, 1), alike)
+        return Trials(np.concatenate(violated, 1), np.concatenate(accepting, 1), alike)
 
     def path(self, agent: int, episode: int) -> Path:
         """Episode number `episode` of the agent in place `agent`, played once more and alone."""
@@ -104,7 +110,9 @@ def expert_trials(plan: Plan, labels: Labels, expert: str, episodes: int) -> Tri
         played = play(made.id, made.kwargs, horizon=made.horizon, expert=expert, seeds=seeds)
     runs = replay_all(DemoSet(played), labels, plan.ldba)[1]
     violated = np.array([[run.violates_at is not None for run in runs]])
-    visits = np.array([[run.visits for run in runs]])
+    accepting = np.zeros((1, episodes, made.horizon), np.bool_)
+    for row, run in zip(accepting[0], runs, strict=True):
+        row[: len(run.states) - 1] = np.isin(run.states[1:], sorted(plan.ldba.accepting))
     first = runs[0].states
     alike = all(np.array_equal(run.states, first) for run in runs)
-    return Trials(violated, visits, np.array([alike]))
+    return Trials(violated, accepting, np.array([alike]))

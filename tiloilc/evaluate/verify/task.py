@@ -26,6 +26,7 @@ from tiloilc.evaluate.verify.results import (
     Sampled,
     Simulated,
     Verification,
+    Walked,
 )
 from tiloilc.evaluate.verify.simulated import Simulation, Trials, expert_trials
 from tiloilc.evaluate.verify.storm import Ask, Storm, Unanswered, has_storm, require_storm
@@ -55,7 +56,8 @@ class Wanted:
     """What is to be verified, and how. `seed` is one agent of the run's, None all of them.
 
     Without `episodes` there are as many as `half_width` needs whatever comes, or EPISODES.
-    `time_limit` [s] is for each of Storm's answers.
+    `time_limit` [s] is for each of Storm's answers. Beside what is exact each agent walks `steps`
+    steps as often, if there are any.
     """
 
     policy: str = "best"
@@ -66,6 +68,7 @@ class Wanted:
     half_width: float | None = None
     visits: int = 1
     time_limit: float = TIME_LIMIT
+    steps: int | None = None
 
     @property
     def trials(self) -> int:
@@ -111,15 +114,20 @@ def verify_run(
     """
     agent, places = _agent(plan, demos, labels, run, wanted)
     model, why = model_of(plan)
-    if why and wanted.method == "exact":
-        help = "leave out --method exact: probabilities are bounded by simulation then"
+    if why and (wanted.method == "exact" or wanted.steps is not None):
+        option = "--method exact" if wanted.method == "exact" else "--walk"
+        help = f"leave out {option}: probabilities are bounded by simulation then"
         about = Diagnostic.of("RUN713", subject=run.as_posix(), problem=why, help=help)
         raise CompileError(about)
     if not why and wanted.method != "simulate":
         assert model is not None
         require_storm(run.as_posix())
         with _storm(run.as_posix(), wanted) as ask:
-            return _exactly(plan, labels, agent, model, wanted, places, ask)
+            known = _exactly(plan, labels, agent, model, wanted, places, ask)
+        if wanted.steps is None:
+            return known
+        tell(f"walking {wanted.steps:,} steps {wanted.trials} times with each agent")
+        return _walked(known, plan, labels, agent, wanted.steps, wanted, places)
     best = None
     if model is not None and has_storm():
         with suppress(Unanswered), Storm(wanted.time_limit) as storm:
@@ -165,6 +173,27 @@ def _exactly(
     best = maximum(model, letters, plan, ask)
     shown = tuple(counterexample for _, counterexample in failures)
     return Verification(plan, wanted.policy, tuple(judged), None, best, shown)
+
+
+def _walked(
+    known: Verification,
+    plan: Plan,
+    labels: Labels,
+    agent: Agent,
+    steps: int,
+    wanted: Wanted,
+    places: list[int],
+) -> Verification:
+    """What is known exactly, beside long walks in the environment itself."""
+    longer = replace(plan, environment=plan.environment.model_copy(update={"horizon": steps}))
+    trials = Simulation(longer, labels, agent, wanted.trials).play().of(places)
+    rows = zip(known.judged, trials.lasting(), trials.violated, strict=True)
+    judged = tuple(
+        replace(one, walked=_sampled(fine, violated, wanted.confidence))
+        for one, fine, violated in rows
+    )
+    about = Walked(wanted.confidence, wanted.trials, steps)
+    return replace(known, judged=judged, walked=about)
 
 
 def _told(plan: Plan, seed: int, failed: Failure) -> Counterexample:

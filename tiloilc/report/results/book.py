@@ -36,15 +36,21 @@ class Family:
 
 @dataclass(frozen=True)
 class Book:
-    """The rows of all records and the task files."""
+    """The rows of all records and the task files; and those of what was verified."""
 
     rows: tuple[Row, ...]
     files: Mapping[str, TaskFile]
+    verified: tuple[Row, ...] = ()
 
     @classmethod
-    def of(cls, records: Sequence[Record], files: Mapping[str, TaskFile]) -> Book:
-        """The rows of `records`."""
-        return cls(tuple(rows_of(records, files)), files)
+    def of(
+        cls,
+        records: Sequence[Record],
+        files: Mapping[str, TaskFile],
+        verified: Sequence[Record] = (),
+    ) -> Book:
+        """The rows of `records`, and of those that `verify` made of the same runs."""
+        return cls(tuple(rows_of(records, files)), files, tuple(rows_of(verified, files)))
 
     @property
     def tasks(self) -> list[str]:
@@ -102,6 +108,12 @@ class Book:
             return found or [Family(task, {})]
         return [Family(task, {tuple(p for p in lone.changes if p[0] in settings): lone})]
 
+    def verification(self, task: str, algorithm: str) -> Row | None:
+        """What was verified of the usual row's agents; None if nothing."""
+        row = self.usual(task, algorithm)
+        anchor = None if row is None else row.anchor
+        return next((one for one in self.verified if one.anchor == anchor), None)
+
     def optimum(self, task: str) -> tuple[float, bool] | None:
         """The most accepting visits in an episode, and whether that is exact: the highest known."""
         known = [row.optimum for row in self.of_task(task)]
@@ -109,5 +121,7 @@ class Book:
 
 
 def open_book(results: Path, specs: Path) -> Book:
-    """The records `results/*.jsonl.gz` beside the task files of `specs`."""
-    return Book.of(read(*sorted(results.glob("*.jsonl.gz"))), read_tasks(specs))
+    """The records `results/*.jsonl.gz` and `results/verified/` beside the files of `specs`."""
+    found = read(*sorted(results.glob("*.jsonl.gz")))
+    verified = read(*sorted(results.glob("verified/*.jsonl.gz")))
+    return Book.of(found, read_tasks(specs), verified)

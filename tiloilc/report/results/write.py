@@ -15,6 +15,7 @@ from tiloilc.report.results.pages import (
     index,
     learning,
     readme,
+    verified,
 )
 
 __all__ = ["files", "write"]
@@ -33,6 +34,7 @@ def files(book: Book) -> dict[str, str]:
         "table-2.md": ablations.table_2(book),
         "table-3.md": demonstrations.table_3(book),
         "table-4.md": demonstrations.table_4(book),
+        "verified.md": verified.page(book),
     }
     if overview := readme.figure(book):
         pages["overview.svg"] = overview

@@ -54,6 +54,7 @@ PAGES = {
     "table-3.md": "table 3, unsafe or incomplete demonstrations",
     "table-4.md": "table 4, the length of demonstrations",
     "robots.md": "the robots",
+    "verified.md": "how likely policies satisfy their formulas for ever",
     "comparison.md": "how likely TiLoIL is better, and how fast each method learns",
     "all.md": "every row, with its settings, seeds, commits and records",
 }
