@@ -214,11 +214,15 @@ def test_copies_belong_to_their_seeds() -> None:
 
 def test_environment_seeds_differ_between_agents_copies_and_episodes() -> None:
     loop, _ = looped(CHAIN, AT, until=0, copies=3)
-    seeds = [seed for n in range(200) for seed in loop._seeds(np.full(6, n))]
+    everyone = np.ones(6, np.bool_)
+    seeds = [seed for n in range(200) for seed in loop._seeds(np.full(6, n), everyone)]
     assert len(set(seeds)) == 1200
     assert all(0 <= seed < 2**32 for seed in seeds)
     other, _ = looped(CHAIN, AT, until=0, copies=3, first_seed=50)
-    assert not set(other._seeds(np.zeros(6, np.int64))) & set(seeds)
+    first = np.zeros(6, np.int64)
+    assert not set(other._seeds(first, everyone)) & set(seeds)
+    some = np.arange(6) % 2 == 1
+    assert loop._seeds(first, some) == [0, seeds[1], 0, seeds[3], 0, seeds[5]]
 
 
 def test_agents_see_different_starts_in_every_episode() -> None:

@@ -111,7 +111,7 @@ class Loop:
 
     def _reset(self, mask: NDArray[np.bool_]) -> None:
         """Begin new episodes, each with a seed of its own: that of agent, copy and episode."""
-        self.product.reset(self._seeds(self.episodes), mask)
+        self.product.reset(self._seeds(self.episodes, mask), mask)
         self.episodes = self.episodes + mask
         visited = self.product.jumped & self.walk.accepting[self.product.states]
         self.tally.visits += self._by_seed(visited).sum(1)  # a jump is an arrival, a start is none
@@ -193,7 +193,7 @@ class Loop:
         """
         product = self.product
         moves, longest = product.moves, int(product.moves.max())
-        seeds = self._seeds(self.episodes - 1)
+        seeds = self._seeds(self.episodes - 1, np.ones(product.copies.count, np.bool_))
         rows = np.arange(product.copies.count)
         assert self.actions is not None
         observations = product.observations
@@ -207,9 +207,11 @@ class Loop:
         if not np.array_equal(observations, product.observations):
             raise CompileError(Diagnostic.of("RUN705"))
 
-    def _seeds(self, episodes: Int) -> list[int]:
-        """A seed for each copy's episode: by agent, copy and number."""
-        first = self.settings.first_seed
-        copies = self.shape[1]
-        entropy = [[first + i // copies, i % copies, int(n)] for i, n in enumerate(episodes)]
-        return [int(np.random.SeedSequence(e).generate_state(1)[0]) for e in entropy]
+    def _seeds(self, episodes: Int, mask: NDArray[np.bool_]) -> list[int]:
+        """A seed for the episode of each copy of `mask`: by agent, copy and number; else 0."""
+        first, copies = self.settings.first_seed, self.shape[1]
+        seeds = [0] * len(episodes)
+        for i in np.flatnonzero(mask).tolist():
+            entropy = [first + i // copies, i % copies, int(episodes[i])]
+            seeds[i] = int(np.random.SeedSequence(entropy).generate_state(1)[0])
+        return seeds
