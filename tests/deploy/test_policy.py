@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ import gymnasium
 import numpy as np
 import onnxruntime
 import pytest
+from safetensors.numpy import load_file, save_file
 
 import tiloilc
 import tiloilc.tasks  # registers
@@ -61,10 +63,12 @@ evaluate: {{episodes: 2, every: 100}}
 TASKS = {
     "rounds": (TABLE, "G F (a & X F b) & G !z", ""),
     "settling": (TABLE, "F G a & G !z", "accepting_target: live, entropy: 0.3"),
+    "potential": (TABLE, "F G a & G !z", "algorithm: drl2"),
     "stay": (NETWORKS, "F G y & G !b", "accepting_target: live"),
     "reach": (NETWORKS, "F y & G !b", "layer_norm: false"),
 }
-"""Tables and networks, with ε-jumps (second and third) and without."""
+"""Tables and networks, with ε-jumps (all that settle or stay) and without; a method by whose
+potential it matters where a jump arrives."""
 
 
 @pytest.fixture(scope="module", params=TASKS)
@@ -209,6 +213,16 @@ def test_the_same_policy_is_exported_to_the_same_bytes(run: Path, tmp_path: Path
         export(tiloilc.load_policy(run), tmp_path / place)
     for name in EXPORTED:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+
+
+def test_a_policy_of_another_version_is_a_finding(run: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "copy" / "runs" / "task" / "0001"
+    shutil.copytree(run, copy)
+    path = copy / "checkpoints" / "best.safetensors"
+    arrays = load_file(path)
+    save_file({name: array for name, array in arrays.items() if name != "arrival.pay"}, path)
+    with pytest.raises(CompileError, match=r"RUN701.*best.safetensors has no 'arrival.pay'"):
+        tiloilc.load_policy(copy)
 
 
 def test_a_policy_needs_no_torch(run: Path, root: Path) -> None:

@@ -23,8 +23,8 @@ NORM_EPSILON = 1e-5
 class Networks:
     """The actor of a continuous task, and its twin critics for choosing among ε-jumps.
 
-    `told` [states, states] is what the networks are told of each automaton state. `entry` [states]
-    is the exact value of a state, nan where the critics say it.
+    `told` [states, states] is what the networks are told of each automaton state. `pay` and
+    `discount` [states]: arriving in b is worth `pay` + `discount` · V.
     """
 
     middle: Floats
@@ -32,7 +32,8 @@ class Networks:
     low: Floats
     high: Floats
     told: Floats
-    entry: Floats
+    pay: Floats
+    discount: Floats
     actor: Layers
     critics: tuple[Layers, Layers]
     layer_norm: bool
@@ -44,12 +45,11 @@ class Networks:
         return self.low + 0.5 * (scaled.reshape(shape) + 1) * (self.high - self.low)
 
     def values(self, observations: Floats, states: Int) -> Floats:
-        """V(s, b) of s [n, d] and b [n]: what the better informed option is worth, [n]."""
+        """What arriving in b is worth, of s [n, d] and b [n]: [n]. V is the less of two critics."""
         x = self._inputs(observations, states)
         joint = np.concatenate([x, self._scaled_action(x)], axis=1)
         judged = [_forward(layers, joint, self.layer_norm)[:, 0] for layers in self.critics]
-        exact = self.entry[states]
-        return np.where(np.isnan(exact), np.minimum(*judged), exact)
+        return self.pay[states] + self.discount[states] * np.minimum(*judged)
 
     def _inputs(self, observations: Floats, states: Int) -> Floats:
         return np.concatenate([(observations - self.middle) / self.half, self.told[states]], axis=1)
@@ -63,7 +63,7 @@ class Table:
     """Q [cell, state, action] of a finite task; cells are numbered from `low`, `sizes` wide.
 
     `code` [states] is the state whose row stands for each. `floor` [cell, state] is what each is
-    worth at least, `alpha` the temperature of its value, `entry` as in Networks.
+    worth at least, `alpha` the temperature of its value, `pay` and `discount` as in Networks.
     """
 
     q: Floats
@@ -71,7 +71,8 @@ class Table:
     sizes: Int
     first_action: int
     code: Int
-    entry: Floats
+    pay: Floats
+    discount: Floats
     floor: Floats
     alpha: float
 
@@ -81,15 +82,15 @@ class Table:
         return np.asarray(best + self.first_action)
 
     def values(self, observations: Floats, states: Int) -> Floats:
-        """V(s, b) of s [n, d] and b [n], [n]."""
+        """What arriving in b is worth, of s [n, d] and b [n]: [n]."""
         cells, code = self._cells(observations), self.code[states]
         q = self.q[cells, code]
         soft = q.max(-1)
         if self.alpha > 0:
             beyond = np.exp((q - soft[:, None]) / self.alpha).sum(-1)
             soft = soft + self.alpha * np.log(beyond)
-        exact = self.entry[states]
-        return np.where(np.isnan(exact), np.maximum(soft, self.floor[cells, code]), exact)
+        value: Floats = np.maximum(soft, self.floor[cells, code])
+        return self.pay[states] + self.discount[states] * value
 
     def _cells(self, observations: Floats) -> Int:
         whole = np.moveaxis(observations.astype(np.int64) - self.low, -1, 0)
@@ -115,7 +116,8 @@ def actor_of(arrays: Arrays, seeds: int, seed: int, layer_norm: bool) -> Actor:
             fixed["sizes"],
             int(fixed["first_action"]),
             fixed["code"],
-            fixed["entry"],
+            own["arrival.pay"][0],
+            own["arrival.discount"][0],
             fixed["floor"],
             float(own["alpha"][0]),
         )
@@ -126,7 +128,8 @@ def actor_of(arrays: Arrays, seeds: int, seed: int, layer_norm: bool) -> Actor:
         fixed["low"],
         fixed["high"],
         np.eye(len(fixed["code"]), dtype=np.float32)[fixed["code"]],
-        fixed["entry"],
+        own["arrival.pay"][0],
+        own["arrival.discount"][0],
         _layers(own, "actor", 0),
         (first, second),
         layer_norm,

@@ -40,8 +40,8 @@ class Graph:
 def model_of(actor: Actor, size: int, name: str, values: bool) -> bytes:
     """The model for observations [batch, size] and automaton states [batch].
 
-    Its outputs are `action` and, with `values`, `value`: that of each state, to choose among
-    ε-jumps by.
+    Its outputs are `action` and, with `values`, `value`: what arriving in each state is worth, to
+    choose among ε-jumps by.
     """
     graph = Graph()
     if isinstance(actor, Networks):
@@ -90,7 +90,7 @@ def _networks(graph: Graph, actor: Networks, values: bool) -> None:
     joint = graph("Concat", x, scaled, axis=1)
     judged = [_perceptron(graph, net, joint, actor.layer_norm) for net in actor.critics]
     least = graph("Squeeze", graph("Min", *judged), graph.constant(np.array([1])))
-    _with_exact(graph, actor, least)
+    _arriving(graph, actor, least)
 
 
 def _table(graph: Graph, actor: Table, values: bool) -> None:
@@ -115,13 +115,14 @@ def _table(graph: Graph, actor: Table, values: bool) -> None:
     else:
         soft = graph("ReduceMax", q, axes=[1], keepdims=0)
     floor = graph("Gather", graph.constant(actor.floor.reshape(-1)), row)
-    _with_exact(graph, actor, graph("Max", soft, floor))
+    _arriving(graph, actor, graph("Max", soft, floor))
 
 
-def _with_exact(graph: Graph, actor: Actor, value: str) -> None:
-    """`value`, but where it is known exactly."""
-    exact = graph("Gather", graph.constant(actor.entry), "state")
-    graph("Where", graph("IsNaN", exact), value, exact, into="value")
+def _arriving(graph: Graph, actor: Actor, value: str) -> None:
+    """What arriving in the state is worth, V there being `value`."""
+    pay = graph("Gather", graph.constant(actor.pay), "state")
+    discount = graph("Gather", graph.constant(actor.discount), "state")
+    graph("Add", pay, graph("Mul", discount, value), into="value")
 
 
 def _perceptron(graph: Graph, layers: Layers, x: str, normalised: bool) -> str:

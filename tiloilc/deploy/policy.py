@@ -53,7 +53,7 @@ class Policy:
     def observe(self, observation: object) -> Floats:
         """Only read the label and step, as for the last observation of an episode.
 
-        Where the automaton offers ε-jumps it goes where the agent's value is greatest. Returns the
+        Where the automaton offers ε-jumps it goes where arriving is worth most. Returns the
         observation as it was read, flat [1, d].
         """
         flat = self._flat(observation)
@@ -110,7 +110,11 @@ def load_policy(run: str | Path, *, seed: int | None = None, policy: str = "best
     if not first <= seed < first + count:
         raise _unavailable(run, f"it has the seeds {first} to {first + count - 1}, not {seed}")
     acting = {k: v for k, v in arrays.items() if k != "scores"}
-    actor = actor_of(acting, count, seed - first, plan.train.layer_norm)
+    try:
+        actor = actor_of(acting, count, seed - first, plan.train.layer_norm)
+    except KeyError as error:
+        problem = f"{policy}.safetensors has no {error}: another version wrote it"
+        raise CompileError(Diagnostic.of("RUN701", path=run.as_posix(), problem=problem)) from None
     with importable(plan.root):
         return Policy(plan, seed, actor, labeller(plan), walk)
 

@@ -13,7 +13,7 @@ from torch import Tensor
 from tiloilc.learn.agent.cloning import clone, demonstrated_rows
 from tiloilc.learn.agent.held import Held
 from tiloilc.learn.agent.shown import Shown, judged_demonstrations
-from tiloilc.learn.algorithm.method import Setup, make_method, rewards_of
+from tiloilc.learn.algorithm.method import Setup, arrivals_of, make_method, rewards_of
 from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.chance import Chance, draw_shown, draw_states
 from tiloilc.learn.engine.device import check_memory, memory_of
@@ -237,18 +237,19 @@ class SacAgent:
 
     def policy(self) -> State:
         """What acting needs; each tensor's first axis counts seeds, or seeds times two."""
-        policy = {**self.sac.policy(), **with_prefix("method", self.method.policy())}
-        return {name: tensor.cpu() for name, tensor in policy.items()}
+        method = self.method
+        arrivals = arrivals_of(method, self.walk, self.settings.seeds, self.encode.middle)
+        more = {**with_prefix("method", method.policy()), **with_prefix("arrival", arrivals)}
+        return {name: tensor.cpu() for name, tensor in {**self.sac.policy(), **more}.items()}
 
     def fixed(self) -> State:
-        """Scales of observations and actions, and what is known of each automaton state."""
+        """Scales of observations and actions, and what networks are told of automaton states."""
         return {
             "middle": self.encode.middle.cpu(),
             "half": self.encode.half.cpu(),
             "low": torch.from_numpy(self.low.reshape(self.action_shape)),
             "high": torch.from_numpy(self.high.reshape(self.action_shape)),
             "code": self.code.cpu(),
-            "entry": self.method.known().cpu(),
         }
 
     def load_policy(self, state: State) -> None:

@@ -14,7 +14,7 @@ from tiloilc.learn.agent.shown import Shown, judged_demonstrations
 from tiloilc.learn.agent.shown_steps import ShownSteps, shown_trail
 from tiloilc.learn.agent.steps import Recent, Trail, in_each_state, trails_of, trails_state
 from tiloilc.learn.agent.turns import Turns
-from tiloilc.learn.algorithm.method import Backup, Setup, make_method, rewards_of
+from tiloilc.learn.algorithm.method import Backup, Setup, arrivals_of, make_method, rewards_of
 from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.cells import Cells
 from tiloilc.learn.engine.replay import Batch
@@ -155,8 +155,10 @@ class TabularAgent:
 
     def policy(self) -> State:
         """What acting needs; each tensor's first axis counts seeds."""
-        method = with_prefix("method", self.method.policy())
-        return {"q": self.q, "alpha": self.alpha, **method}
+        method, anywhere = self.method, torch.zeros(len(self.cells.low))
+        arrivals = arrivals_of(method, self.walk, self.settings.seeds, anywhere)
+        more = {**with_prefix("method", method.policy()), **with_prefix("arrival", arrivals)}
+        return {"q": self.q, "alpha": self.alpha, **more}
 
     def fixed(self) -> State:
         """How cells are numbered, and what is known of cells and automaton states."""
@@ -165,7 +167,6 @@ class TabularAgent:
             "sizes": torch.from_numpy(self.cells.sizes),
             "first_action": torch.tensor(self.first_action),
             "code": self.code,
-            "entry": self.method.known(),
             "floor": self.floor,
         }
 

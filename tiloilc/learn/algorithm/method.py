@@ -123,12 +123,9 @@ class Method(Protocol):
         """
 
     def worth(self, observation: Tensor, options: Tensor) -> Backup:
-        """What arriving in each of `options` [seed, n, K] is worth: the greatest is taken."""
+        """What arriving in each of `options` [seed, n, K] is worth: the greatest is taken.
 
-    def known(self) -> Tensor:
-        """What arriving in each automaton state is worth, [states]; nan where V says it.
-
-        An exported policy goes by this, or else by V.
+        Where jumps take no step it depends on the options alone: exported policies go by it.
         """
 
     def reward(self, observation: Tensor, state: Tensor) -> Tensor:
@@ -188,10 +185,6 @@ class Plain:
         ones = torch.ones(options.shape, device=options.device)
         return Backup(0 * ones, ones)
 
-    def known(self) -> Tensor:
-        """Nothing is known."""
-        return torch.full((self.walk.states,), torch.nan)
-
     def reward(self, observation: Tensor, state: Tensor) -> Tensor:
         """No state pays by itself."""
         return torch.zeros(state.shape)
@@ -213,6 +206,22 @@ class Plain:
 
     def load(self, state: State) -> None:
         """Nothing is kept."""
+
+
+def arrivals_of(method: Method, walk: Walk, seeds: int, anywhere: Tensor) -> State:
+    """What arriving in each automaton state is worth beside V, `pay` and `discount` [seed, states].
+
+    An exported policy jumps by these. `anywhere` [d] is any observation. Nothing where jumps take
+    a step: what they are worth depends on where.
+    """
+    if walk.costly:
+        return {}
+    options = torch.arange(walk.states, device=anywhere.device).expand(seeds, 1, -1)
+    worth = method.worth(anywhere.expand(seeds, 1, -1), options)
+    return {
+        "pay": worth.pay.expand(options.shape)[:, 0].contiguous(),
+        "discount": worth.discount.expand(options.shape)[:, 0].contiguous(),
+    }
 
 
 def rewards_of(method: Method, observations: Tensor, seeds: int, states: int) -> Tensor:

@@ -75,10 +75,6 @@ class TiLoIL(Plain):
         """What is paid for a jump that takes a step; None where jumps do not."""
         return self.reward(observation, options[..., 0]) if self.walk.costly else None
 
-    def known(self) -> Tensor:
-        """Exact values of acceptance and sinks."""
-        return exact_values(self.table, self.settings)
-
     def policy(self) -> State:
         """The discriminators, where they pay for jumps that take a step."""
         return self.discriminators.policy() if self.walk.costly and self.judges else {}
@@ -197,13 +193,6 @@ def option_values(
     return Backup(
         torch.where(jumps, wait[..., None], pay), discount.masked_fill(jumps, settings.gamma)
     )
-
-
-def exact_values(table: StageTable, settings: Settings) -> Tensor:
-    """The values that `option_values` knows without asking, [states]; nan for other states."""
-    states = torch.arange(len(table.code), device=table.code.device)
-    known = option_values(table, states, settings)
-    return known.pay.masked_fill(known.discount != 0, torch.nan)
 
 
 def tiloil_backup(
