@@ -81,7 +81,8 @@ def test_evaluation_seeds_are_never_those_of_validation_or_training() -> None:
     assert VALIDATION + 10**6 < EVALUATION
     made, shown, labels = point(seeds=3)
     loop = make_loop(made, shown, labels)
-    used = {seed for n in range(500) for seed in loop._seeds(np.full(3, n))}
+    everyone = np.ones(3, np.bool_)
+    used = {seed for n in range(500) for seed in loop._seeds(np.full(3, n), everyone)}
     assert len(used) == 1500  # agents and episodes all differ
     judged = {*range(VALIDATION, VALIDATION + 1000), *range(EVALUATION, EVALUATION + 1000)}
     assert not used & judged

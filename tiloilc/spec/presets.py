@@ -122,3 +122,8 @@ def preset_of(preset: str, algorithm: str) -> dict[str, object]:
     """What settings are where nothing is said."""
     own = {} if preset == "paper" else DEFAULT_OF.get(algorithm, {})
     return {**PRESETS.get(preset, DEFAULT), **OF_ALGORITHM.get(algorithm, {}), **own}
+
+
+def what_it_is(algorithm: str) -> set[str]:
+    """The settings that make a method what it is."""
+    return set(OF_ALGORITHM.get(algorithm, ()))

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from tiloilc.spec.base import Model, Number, Whole, to_number
-from tiloilc.spec.presets import preset_of
+from tiloilc.spec.presets import preset_of, what_it_is
 
 
 def _number_or(word: str) -> BeforeValidator:
@@ -201,9 +201,13 @@ class Settings(Model):
     def override(self, changes: Mapping[str, object]) -> Settings:
         """These settings with `changes`; another preset replaces what was not set apart from it.
 
-        Raises pydantic.ValidationError for names and values that no setting takes.
+        Another algorithm is what it is: what was set of that for this one does not go along. Raises
+        pydantic.ValidationError for names and values that no setting takes.
         """
         given = {"steps": self.steps, "preset": self.preset, **self.overrides()}
+        if (algorithm := changes.get("algorithm", self.algorithm)) != self.algorithm:
+            made = what_it_is(self.algorithm) | what_it_is(str(algorithm))
+            given = {name: value for name, value in given.items() if name not in made}
         return Settings.model_validate({**given, **changes})
 
 

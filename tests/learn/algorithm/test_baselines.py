@@ -96,6 +96,20 @@ def test_what_an_algorithm_is_goes_before_the_preset_and_the_task_before_both() 
     assert settings(algorithm="gail").override({"algorithm": "tiloil"}).segment is True
 
 
+def test_what_a_task_file_says_of_one_method_does_not_make_another() -> None:
+    """A first value for TiLoIL would leave LCER without anything to look for (ADR 25)."""
+    given = settings(optimistic=True, relabel=False, gamma=0.9)
+    assert given.override({"gamma": 0.8}).optimistic is True
+    lcer = given.override({"algorithm": "lcer"})
+    assert (lcer.optimistic, lcer.relabel, lcer.gamma) == (False, True, 0.9)
+    assert given.override({"algorithm": "lcer", "optimistic": True}).optimistic is True
+    assert given.override({"algorithm": "cloning"}).optimistic is True
+    sqil = settings(algorithm="sqil", demo_replay=0.2, tau=0.1)
+    assert sqil.override({"steps": 5}).demo_replay == 0.2
+    assert sqil.override({"algorithm": "tiloil"}).demo_replay == 0.1
+    assert sqil.override({"algorithm": "tiloil"}).tau == 0.1
+
+
 # LCER
 
 
