@@ -36,8 +36,8 @@ TRIALS = """
 ## Elsewhere, by episodes
 
 The share of episodes without violation and with so many accepting visits as are named, over all
-agents; below it are its Clopper–Pearson bounds. Training never saw these episodes, and no two
-agents share one.
+agents; below it, how far the Clopper–Pearson bounds of single agents reach. Training never saw
+these episodes, and no two agents share one.
 
 """
 
