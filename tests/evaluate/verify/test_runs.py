@@ -114,7 +114,7 @@ def test_a_walk_that_no_longer_accepts_is_not_fine() -> None:
     accepting = np.zeros((1, 3, 10), np.bool_)
     accepting[0, 0, [2, 7]] = accepting[0, 1, 4] = accepting[0, 2, 5] = True
     violated = np.array([[False, False, True]])
-    trials = simulated.Trials(violated, accepting, np.array([False]))
+    trials = simulated.Trials(violated, simulated.in_halves(accepting), np.array([False]))
     assert trials.lasting().tolist() == [[True, False, False]]
     assert trials.fine(1).tolist() == [[True, True, False]]
     assert trials.fine(2).tolist() == [[True, False, False]]

@@ -25,26 +25,32 @@ class Trials:
     """What each agent achieved in its episodes.
 
     violated   bool [seed, episode], a step led into the sink, or the first label did
-    accepting  bool [seed, episode, T], steps that led to an accepting state
+    visits     int [seed, episode, 2], steps to accepting states in each half of the time
     alike      bool [seed], all episodes of an agent passed the same automaton states
     """
 
     violated: NDArray[np.bool_]
-    accepting: NDArray[np.bool_]
+    visits: Int
     alike: NDArray[np.bool_]
 
     def of(self, agents: list[int]) -> Trials:
         """Those of some agents alone."""
-        return Trials(self.violated[agents], self.accepting[agents], self.alike[agents])
+        return Trials(self.violated[agents], self.visits[agents], self.alike[agents])
 
     def fine(self, visits: int) -> NDArray[np.bool_]:
         """Who did not violate and came to acceptance so often, [seed, episode]."""
-        return np.asarray(~self.violated & (self.accepting.sum(axis=2) >= visits))
+        return np.asarray(~self.violated & (self.visits.sum(axis=2) >= visits))
 
     def lasting(self) -> NDArray[np.bool_]:
         """Who did not violate and accepted in the second half of the time too, [seed, episode]."""
-        half = self.accepting.shape[2] // 2
-        return np.asarray(~self.violated & self.accepting[..., half:].any(axis=2))
+        return np.asarray(~self.violated & (self.visits[..., 1] > 0))
+
+
+def in_halves(accepting: NDArray[np.bool_]) -> Int:
+    """How many of the steps [seed, episode, T] are true in each half: [seed, episode, 2]."""
+    half = accepting.shape[2] // 2
+    parts = (accepting[..., :half], accepting[..., half:])
+    return np.stack([part.sum(axis=2) for part in parts], axis=2)
 
 
 class Simulation:
@@ -60,19 +66,19 @@ class Simulation:
 
     def play(self) -> Trials:
         """All episodes. Raises CompileError RUN707 if the environment fails."""
-        violated, accepting = [], []
+        violated, visits = [], []
         first, alike = None, np.ones(self.plan.train.seeds, np.bool_)
         for start in range(0, self.episodes, self.chunk):
             rollout = self.arena.play(self.policy, self._seeds(start, self.chunk))
             kept = min(self.chunk, self.episodes - start)
             violated.append(np.asarray(rollout.sink[:, :kept].any(axis=2)))
-            accepting.append(rollout.accepting[:, :kept, 1:])
+            visits.append(in_halves(rollout.accepting[:, :kept, 1:]))
             path: Int = np.where(rollout.over, -1, rollout.states)[:, :kept]
             first = path[:, :1] if first is None else first
             alike &= np.array(
                 [bool((one == same).all()) for one, same in zip(path, first, strict=True)]
             )
-        return Trials(np.concatenate(violated, 1), np.concatenate(accepting, 1), alike)
+        return Trials(np.concatenate(violated, 1), np.concatenate(visits, 1), alike)
 
     def path(self, agent: int, episode: int) -> Path:
         """Episode number `episode` of the agent in place `agent`, played once more and alone."""
@@ -115,4 +121,4 @@ def expert_trials(plan: Plan, labels: Labels, expert: str, episodes: int) -> Tri
         row[: len(run.states) - 1] = np.isin(run.states[1:], sorted(plan.ldba.accepting))
     first = runs[0].states
     alike = all(np.array_equal(run.states, first) for run in runs)
-    return Trials(violated, accepting, np.array([alike]))
+    return Trials(violated, in_halves(accepting), np.array([alike]))
