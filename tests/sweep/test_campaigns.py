@@ -11,7 +11,7 @@ from tests.report.results.records import records
 from tests.sweep.made import asked
 from tiloilc.evaluate import Record
 from tiloilc.report.results.book import Book
-from tiloilc.report.results.pages import demonstrations
+from tiloilc.report.results.pages import ablations, demonstrations
 from tiloilc.report.results.tasks import read_tasks
 from tiloilc.spec import read_spec
 from tiloilc.sweep import Options, check
@@ -22,7 +22,10 @@ FILES = sorted((ROOT / "sweeps").glob("*.yaml"))
 VARIED = [path for path in FILES if path.stem.startswith("demonstrations_")]
 """Those with other demonstrations than the task files', of tasks that the others run."""
 
-FAST = ("grids", "flatworld", "carlo_rooms", "demonstrations_carlo")
+PARTS = [path for path in FILES if path.stem.startswith("ablations_")]
+"""Those that change a part of TiLoIL, on tasks that the others run."""
+
+FAST = ("ablations_flatworld", "grids", "flatworld", "carlo_rooms", "demonstrations_carlo")
 """Those of tasks without MuJoCo."""
 
 
@@ -37,7 +40,7 @@ def test_a_campaign_names_specs_and_settings_that_there_are(path: Path) -> None:
 
 
 def test_every_task_is_in_one_campaign_or_is_a_twin() -> None:
-    whole = [path for path in FILES if path not in VARIED]
+    whole = [path for path in FILES if path not in (*VARIED, *PARTS)]
     named = [spec.resolve() for path in whole for spec in asked(path)[0].specs]
     assert len(named) == len(set(named))
     left = set((ROOT / "specs").glob("*.yaml")) - set(named)
@@ -76,6 +79,16 @@ def test_the_pages_by_demonstrations_lack_nothing_after_their_campaigns() -> Non
     assert len(book.rows) == len(every)  # and no two of them are taken for one
     few = [record for path in VARIED[1:] for record in campaign(path)]
     assert "not run" in demonstrations.table_3(Book.of(few, tasks))
+
+
+def test_the_pages_of_ablations_lack_nothing_on_flatworld_after_its_campaign() -> None:
+    tasks = read_tasks(ROOT / "specs")
+    book = Book.of([record for path in PARTS for record in campaign(path)], tasks)
+    pages = (ablations.files(book)["figure-4.md"], ablations.table_1(book), ablations.table_2(book))
+    for text in pages:
+        rows = [line for line in text.splitlines() if line.startswith("| FlatWorld")]
+        assert len(rows) == 3
+        assert not any("not run" in row for row in rows)
 
 
 @pytest.mark.slow
