@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["BASELINES", "METHODS", "Ink", "method_name"]
+__all__ = ["BASELINES", "COMPARED", "METHODS", "Ink", "method_name"]
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,9 @@ for their ground. Methods of reinforcement learning are drawn through, those of 
 
 BASELINES = ("lcer", "cycler", "drl2", "gail", "pwil", "sqil")
 """The methods that the paper compares with."""
+
+COMPARED = ("tiloil", *BASELINES)
+"""All of its tables, in their order."""
 
 
 def method_name(algorithm: str) -> str:

@@ -10,7 +10,7 @@ from tiloilc.evaluate import Band
 from tiloilc.report.results.book import Book
 from tiloilc.report.results.drawing import Line, Panel, picture
 from tiloilc.report.results.measures import mean_of_tasks
-from tiloilc.report.results.methods import BASELINES, METHODS, method_name
+from tiloilc.report.results.methods import BASELINES, COMPARED, METHODS, method_name
 from tiloilc.report.results.rows import Floats, Row
 
 PATH = "efficiency.svg"
@@ -36,7 +36,7 @@ def shared_tasks(book: Book) -> list[str]:
 def files(book: Book) -> dict[str, str]:
     """The drawing by its path; nothing if there is no task to draw."""
     tasks = shared_tasks(book)
-    lines = [one for method in ("tiloil", *BASELINES) if (one := _line(book, method, tasks))]
+    lines = [one for method in COMPARED if (one := _line(book, method, tasks))]
     if not lines:
         return {}
     count = f"{len(tasks)} task{'' if len(tasks) == 1 else 's'}"

@@ -18,7 +18,7 @@ from tiloilc.report.results.markdown import (
     table,
     whole,
 )  # fmt: skip
-from tiloilc.report.results.methods import BASELINES, METHODS, method_name
+from tiloilc.report.results.methods import COMPARED, METHODS, method_name
 from tiloilc.report.results.pages.learning import command
 from tiloilc.report.results.rows import Row
 from tiloilc.report.results.tasks import title
@@ -74,7 +74,7 @@ def index(book: Book) -> str:
 
 def overview(book: Book, tasks: Sequence[str], preset: str = "default") -> str:
     """A row a task, a column a method."""
-    shown = ["tiloil", *BASELINES]
+    shown = list(COMPARED)
     shown += [n for n in book.algorithms if n not in METHODS]
     before = ["task", "optimum", "paper's best", "cloning alone"]
     heads = [*before, *(method_name(n) for n in shown)]
@@ -130,7 +130,7 @@ def _letter(book: Book, task: str) -> list[Row]:
 def _told(book: Book) -> str:
     """A line a method: on which tasks it ran in full, shorter, with other settings, or not."""
     lines = []
-    for algorithm in ("tiloil", *BASELINES):
+    for algorithm in COMPARED:
         full: list[str] = []
         less: list[str] = []
         other: list[str] = []

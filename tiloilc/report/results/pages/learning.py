@@ -17,7 +17,7 @@ from tiloilc.report.results.markdown import (
     table,
 )  # fmt: skip
 from tiloilc.report.results.measures import height, line, most_return, reached
-from tiloilc.report.results.methods import BASELINES, METHODS, Ink, method_name
+from tiloilc.report.results.methods import COMPARED, METHODS, Ink, method_name
 from tiloilc.report.results.rows import FRESH
 from tiloilc.report.results.tasks import FIGURE_3, GRIDS, ROBOTS, title
 
@@ -153,7 +153,7 @@ def _row(
 def _missing(book: Book, task: str) -> str:
     """Which methods have no row and how to make one; what was shorter than it should be."""
     said = []
-    rows = {n: book.usual(task, n) for n in ("tiloil", *BASELINES)}
+    rows = {n: book.usual(task, n) for n in COMPARED}
     less = [
         f"{method_name(name)} ({lacks})"
         for name, row in rows.items()

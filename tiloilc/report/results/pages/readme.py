@@ -6,7 +6,7 @@ from tiloilc.report.results import paper
 from tiloilc.report.results.book import Book
 from tiloilc.report.results.drawing import picture
 from tiloilc.report.results.markdown import NOT_RUN, cell, listed, optimum, small, table, whole
-from tiloilc.report.results.methods import BASELINES, method_name
+from tiloilc.report.results.methods import BASELINES, COMPARED, method_name
 from tiloilc.report.results.pages.index import cloning
 from tiloilc.report.results.pages.learning import panel
 from tiloilc.report.results.rows import Row
@@ -70,7 +70,7 @@ def best_baseline(book: Book, task: str) -> Row | None:
 def _told(book: Book) -> str:
     """How many tasks each method was run on, and how many of them in full."""
     said, none = [], []
-    for name in ("tiloil", *BASELINES):
+    for name in COMPARED:
         rows = [row for task in book.tasks if (row := book.usual(task, name)) is not None]
         full = sum(not row.lacks for row in rows)
         if rows:

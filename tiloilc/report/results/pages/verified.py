@@ -17,11 +17,9 @@ from tiloilc.report.results.markdown import (
     table,
     whole,
 )
-from tiloilc.report.results.methods import BASELINES, method_name
+from tiloilc.report.results.methods import COMPARED, method_name
 from tiloilc.report.results.rows import Fields, Row
 from tiloilc.report.results.tasks import title
-
-SHOWN = ("tiloil", *BASELINES)
 
 EXACT = """\
 On finite tasks `tiloilc verify` asks the model checker Storm about the Markov chain that the greedy
@@ -67,7 +65,7 @@ def page(book: Book) -> str:
 
 def _some(book: Book, task: str, method: str) -> bool:
     """Whether an agent of the task was verified so."""
-    return any(_of(book, task, name, method) for name in SHOWN)
+    return any(_of(book, task, name, method) for name in COMPARED)
 
 
 def _of(book: Book, task: str, algorithm: str, method: str) -> Row | None:
@@ -79,14 +77,14 @@ def _cells(book: Book, tasks: list[str], method: str, said: Callable[[Row], str]
     """A row a task, a column a method; first the most that any policy could reach."""
     rows = []
     for task in tasks:
-        found = [_of(book, task, name, method) for name in SHOWN]
+        found = [_of(book, task, name, method) for name in COMPARED]
         most = next((_most(row) for row in found if row is not None), "–")
         cells = [
             NOT_RUN if row is None else f"[{whole(said(row))}](all.md#{row.anchor}){_below(row)}"
             for row in found
         ]
         rows.append([title(task), most, *cells])
-    return table(("task", "any policy at most", *map(method_name, SHOWN)), rows)
+    return table(("task", "any policy at most", *map(method_name, COMPARED)), rows)
 
 
 def _most(row: Row) -> str:
@@ -134,7 +132,7 @@ def _walks(book: Book, tasks: list[str]) -> str:
     runs = [
         (task, name, run)
         for task in tasks
-        for name in SHOWN
+        for name in COMPARED
         if (row := _of(book, task, name, "exact")) is not None
         for run in row.runs
         if run["walked"] is not None
@@ -167,7 +165,7 @@ def _walk(about: Mapping[str, float]) -> str:
 
 def _failures(book: Book, task: str) -> Iterator[list[str]]:
     """A line a method with agents that fail, and in which way the worst one does."""
-    for name in SHOWN:
+    for name in COMPARED:
         row = book.verification(task, name)
         failing = [] if row is None else [run for run in row.runs if _fails(run)]
         if failing:
