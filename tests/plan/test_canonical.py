@@ -18,6 +18,7 @@ from tiloilc.plan import (
     stage_plan,
     to_json,
 )
+from tiloilc.plan.canonical import LATER
 from tiloilc.plan.options import is_partition
 from tiloilc.spec import Demonstrations, Environment, Evaluate, Settings
 
@@ -70,9 +71,9 @@ def test_the_digest_does_not_depend_on_where_the_task_file_is() -> None:
     assert digest(plan) != digest(dataclasses.replace(plan, formula="G F g"))
 
 
-def test_every_setting_stands_in_the_plan() -> None:
+def test_every_setting_stands_in_the_plan_but_what_came_later() -> None:
     written = json.loads(to_json(PLANS[0]))["train"]
-    assert set(written) == set(Settings.model_fields)
+    assert set(written) == set(Settings.model_fields) - set(LATER)
 
 
 @pytest.mark.parametrize("ldba", [flatworld_cycle(), stabilization(), chain("abc"), response()])
@@ -156,6 +157,13 @@ def test_no_damage_to_the_bytes_causes_any_other_error(data: st.DataObject) -> N
     except CompileError as error:
         codes = [d.code for d in error.diagnostics]
     assert set(codes) <= {"PLAN407"}
+
+
+def test_a_plan_that_infers_once_is_written_as_before_one_could_infer_again() -> None:
+    assert "inference_growth" not in to_json(PLANS[0])
+    again = PLANS[0].train.override({"inference_growth": 1.5})
+    growing = dataclasses.replace(PLANS[0], train=again)
+    assert from_json(to_json(growing)) == growing
 
 
 def test_a_plan_without_a_dataset_is_written_as_before_there_were_any() -> None:

@@ -21,6 +21,9 @@ __all__ = ["automaton_json", "canonical", "digest", "from_json", "ldba_from_json
 
 Json = None | bool | int | float | str | Sequence["Json"] | Mapping[str, "Json"]
 
+LATER: Mapping[str, object] = {"inference_growth": 1.0}
+"""Settings of training that came after plans were written, and what they were before."""
+
 
 class _Strict(Model, strict=True):
     """Types as they are: no text that looks like a number."""
@@ -101,7 +104,7 @@ def to_json(plan: Plan) -> str:
         "automaton": automaton_json(plan.ldba),
         "stages": dataclasses.asdict(plan.stages),
         "demonstrations": _demonstrations(plan.demonstrations),
-        "train": plan.train.model_dump(mode="json"),
+        "train": _train(plan.train),
         "evaluate": plan.evaluate.model_dump(mode="json"),
         "digests": dict(plan.digests),
     }
@@ -111,6 +114,12 @@ def to_json(plan: Plan) -> str:
 def _demonstrations(wanted: Demonstrations) -> Json:
     """A key that came later is written where it is given only: plans of before stay the same."""
     return wanted.model_dump(mode="json", exclude={"minari"} if wanted.minari is None else None)
+
+
+def _train(settings: Settings) -> Json:
+    """Likewise settings that came later: written where they change something."""
+    dumped = settings.model_dump(mode="json")
+    return {name: value for name, value in dumped.items() if LATER.get(name) != value}
 
 
 def digest(plan: Plan) -> str:
@@ -220,6 +229,7 @@ def _guard(cubes: Sequence[Cube], names: Sequence[str]) -> dict[str, Json]:
 
 
 def _settings(given: Mapping[str, object]) -> Settings:
+    given = {**LATER, **given}
     missing = sorted(set(Settings.model_fields) - set(given))
     if missing:
         raise ValidationError.from_exception_data(

@@ -30,6 +30,7 @@ PAPER: MappingProxyType[str, object] = MappingProxyType(
         "demo_replay": 0.0,
         "warm_start": "none",
         "warm_start_steps": 0,
+        "inference_growth": 1.0,
         "batch_size": 64,
         "buffer_size": 1_000_000,
         "stage_buffer_size": 100_000,

@@ -116,6 +116,13 @@ class Settings(Model):
     warm_start_steps: Delay = Field(
         description="environment steps over which the cloning loss fades"
     )
+    inference_growth: Number = Field(
+        ge=1,
+        le=1000,
+        description="actions of demonstrations without any are inferred again each time that the "
+        "agent's steps have grown by this factor, and cloned again during `warm_start_steps`; 1: "
+        "once (BCO(α), Torabi et al. 2018)",
+    )
 
     batch_size: Batch = Field(description="transitions in an update (table 5)")
     buffer_size: Rows = Field(description="transitions kept, per seed (table 5)")

@@ -299,6 +299,44 @@ def test_actions_are_inferred_from_states(monkeypatch: pytest.MonkeyPatch) -> No
     assert (found - batch.action).abs().mean() < 0.1
 
 
+def test_actions_are_inferred_again_by_what_the_agent_has_done_since(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What it did at first was wrong about every step; the same demonstrations, better actions."""
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 600)
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.CLONING_STEPS", 600)
+    _, agent = learner(until=61)
+    assert agent.demo_rows is not None
+    before, first = agent.demo_rows.clone(), agent.layout.unpack(agent.demo_rows).action.clone()
+    rng = np.random.default_rng(0)
+    seen = rng.normal(size=(2, 3000, 2)).astype(np.float32)
+    action = rng.uniform(-2, 4, (2, 3000, 1)).astype(np.float32)
+    zero = np.zeros((2, 3000), np.int64)
+    agent.replay = type(agent.replay)(2, 3000, agent.layout.width)
+    after = seen + 0.1 * action * np.array([1, 0], np.float32)
+    agent.record(seen, action, after, zero, zero, zero.astype(np.bool_), zero)
+    agent.infer(cloning=False)
+    batch = agent.layout.unpack(agent.demo_rows)
+    moved = (batch.next_observation - batch.observation)[..., :1]
+    done = (10 * moved + 2) / 3 - 1  # as Drift moves, between −2 and 4
+    assert (batch.action - done).abs().mean() < 0.1 < (first - done).abs().mean()
+    same = [i for i in range(before.shape[-1]) if i != 2]
+    assert torch.equal(agent.demo_rows[..., same], before[..., same])
+    x = agent.encode(batch.observation, batch.state)
+    apart = (agent.sac.mean_action(x) - batch.action).abs().mean()
+    agent.infer(cloning=True)
+    assert (agent.sac.mean_action(x) - batch.action).abs().mean() < 0.1 < apart
+
+
+def test_recorded_actions_are_not_inferred_again() -> None:
+    recorded = DemoSet((Demo(np.array(PATH, np.float32), np.full((7, 1), 4, np.float32)),))
+    _, agent = learner(until=61, shown=recorded, actions="recorded")
+    assert agent.demo_rows is not None
+    before = agent.demo_rows.clone()
+    agent.infer(cloning=True)
+    assert torch.equal(agent.demo_rows, before)
+
+
 def test_recorded_actions_are_used_as_they_are() -> None:
     recorded = DemoSet((Demo(np.array(PATH, np.float32), np.full((7, 1), 4, np.float32)),))
     _, agent = learner(until=61, shown=recorded, actions="recorded")

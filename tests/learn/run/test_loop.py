@@ -30,6 +30,7 @@ class Spy:
         self.ended: list[tuple[list[Any], list[Any]]] = []
         self.explored = self.acted = self.begun = 0
         self.progress: list[float] = []
+        self.inferred: list[tuple[int, bool]] = []
 
     def explore(self, rng: np.random.Generator, shape: tuple[int, int]) -> NDArray[Any]:
         self.explored += 1
@@ -63,6 +64,9 @@ class Spy:
     def begin(self) -> bool:
         self.begun += 1
         return False
+
+    def infer(self, cloning: bool) -> None:
+        self.inferred.append((len(self.steps), cloning))
 
     def learn(self, progress: float) -> dict[str, Tensor]:
         self.progress.append(progress)
@@ -183,6 +187,16 @@ def test_actions_are_random_until_learning_starts() -> None:
     _, spy = looped(CHAIN, AT, until=10, learning_starts=4)
     assert (spy.explored, spy.acted, spy.begun) == (4, 6, 1)
     assert spy.progress == [1, 2, 3, 4, 5, 6]
+
+
+def test_actions_are_inferred_again_whenever_the_steps_have_grown_by_a_factor() -> None:
+    growing = {"learning_starts": 4, "inference_growth": 2, "warm_start_steps": 10}
+    _, spy = looped(CHAIN, AT, until=40, **growing)
+    assert spy.inferred == [(8, True), (16, False), (32, False)]  # cloned up to step 14
+    _, spy = looped(CHAIN, AT, until=40, learning_starts=4)
+    assert spy.inferred == []
+    _, spy = looped(CHAIN, AT, until=40, learning_starts=0, inference_growth=2)
+    assert spy.inferred == []
 
 
 def test_learning_may_start_at_once() -> None:

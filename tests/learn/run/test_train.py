@@ -154,6 +154,7 @@ def test_another_first_seed_gives_another_run(tmp_path: Path) -> None:
     [
         {},
         {"discriminator": "shared"},
+        {"inference_growth": 1.3, "warm_start_steps": 40},
         {"stages": False},
         {"segment": False},
         {"accepting_target": "live"},

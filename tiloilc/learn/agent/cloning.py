@@ -64,6 +64,13 @@ def demonstrated_rows(
     return torch.cat([before, action, after, rest.expand(seeds, -1, -1), ended, judged], dim=-1)
 
 
+def infer_again(rows: Tensor, replay: Replay, layout: Layout, generator: torch.Generator) -> None:
+    """Write actions into demonstrated `rows` [seed, n, width], by the agent's steps so far."""
+    shown = layout.unpack(rows)
+    model = fit_inverse_dynamics(replay, layout, generator)
+    shown.action.copy_(model(shown.observation, shown.next_observation))
+
+
 def fit_inverse_dynamics(
     replay: Replay, layout: Layout, generator: torch.Generator
 ) -> InverseModel:

@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from tiloilc.learn.agent.cloning import clone, demonstrated_rows
+from tiloilc.learn.agent.cloning import clone, demonstrated_rows, infer_again
 from tiloilc.learn.agent.held import Held
 from tiloilc.learn.agent.shown import Shown, judged_demonstrations
 from tiloilc.learn.algorithm.method import Setup, arrivals_of, make_method, rewards_of
@@ -173,11 +173,23 @@ class SacAgent:
             )
         if self.demo_rows is None or not clones:
             return False
-        batch = self.layout.unpack(self.demo_rows)
+        self._clone(self.demo_rows)
+        return True
+
+    def infer(self, cloning: bool) -> None:
+        """Give the demonstrations actions by what the agent has done by now; clone them again."""
+        if self.demo_rows is None or self.shown.action is not None:
+            return
+        infer_again(self.demo_rows, self.replay, self.layout, self.generator)
+        if cloning:
+            self._clone(self.demo_rows)
+
+    def _clone(self, rows: Tensor) -> None:
+        """Have the actor do what `rows` of demonstrations do."""
+        batch = self.layout.unpack(rows)
         x = self.encode(batch.observation, batch.state)
         clone(self.sac, x, batch.action, self.generator)
         self.sac.reset_optimisers()
-        return True
 
     def learn(self, progress: float) -> dict[str, Tensor]:
         """One update, `progress` environment steps since learning began; losses by seed."""

@@ -59,6 +59,11 @@ class Agent(Policy, Protocol):
     def begin(self) -> bool:
         """The random steps are over; whether a policy was cloned from demonstrations."""
 
+    def infer(self, cloning: bool) -> None:
+        """The agent has many more steps by now: infer the demonstrations' actions again, and clone
+        them again if `cloning`.
+        """
+
     def learn(self, progress: float) -> dict[str, Tensor]:
         """One update, `progress` environment steps into learning; losses [seed] by name."""
 

@@ -142,6 +142,9 @@ class TabularAgent:
         """Nothing is cloned; what was collected at random is learned with the next episode."""
         return False
 
+    def infer(self, cloning: bool) -> None:
+        """Demonstrated steps are learned as soon as the agent has seen them."""
+
     def learn(self, progress: float) -> dict[str, Tensor]:
         """Learn the latest step, or backwards the episodes that it ended; how far Q moved."""
         losses = dict[str, Tensor]()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -58,9 +59,10 @@ class Loop:
             if not self.exploring:
                 self.cloned = self.agent.begin()
         while self.step < until:
-            exploring = self.exploring
+            exploring, before = self.exploring, self.step
             self._collect()
             if not exploring:
+                self._infer(before)
                 self._learn()
             elif not self.exploring:
                 self.cloned = self.agent.begin()
@@ -97,6 +99,14 @@ class Loop:
             self._store(self.segmenter.end(over))
             self._reset(over)
         self.step += self.shape[1]
+
+    def _infer(self, before: int) -> None:
+        """Have the demonstrations' actions inferred again whenever there are enough more steps."""
+        first, growth = self.settings.learning_starts, self.settings.inference_growth
+        if growth == 1 or first == 0:
+            return
+        if _times(before / first, growth) < _times(self.step / first, growth):
+            self.agent.infer(self.step - first < self.settings.warm_start_steps)
 
     def _learn(self) -> None:
         self.debt += self.settings.updates_per_step * self.shape[1]
@@ -215,3 +225,8 @@ class Loop:
             entropy = [first + i // copies, i % copies, int(episodes[i])]
             seeds[i] = int(np.random.SeedSequence(entropy).generate_state(1)[0])
         return seeds
+
+
+def _times(grown: float, growth: float) -> int:
+    """How many whole factors `growth` are in `grown`."""
+    return math.floor(math.log(grown) / math.log(growth))
