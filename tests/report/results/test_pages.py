@@ -207,8 +207,8 @@ def test_one_discriminator_stands_beside_many(files: dict[str, TaskFile]) -> Non
 
 
 def test_demonstrations_that_differ_have_their_pages(files: dict[str, TaskFile]) -> None:
-    given = files["carlo"].demonstrations
-    carlo = {"name": "carlo", "overrides": {}, "steps": 200_000}
+    given, asked = files["carlo"].demonstrations, files["carlo"].train
+    carlo = {"name": "carlo", "overrides": asked.overrides(), "steps": asked.steps}
     unsafe = {"file": "../x/carlo_unsafe.npz", "count": 5, "max_visits": 2, "actions": "inferred"}
     found = records([1.0], **carlo, demonstrations=given, curve=[[1.0], [2.0]])
     found += records([2.0], **carlo, demonstrations={**given, "count": 111}, curve=[[1.0], [2.0]])
