@@ -186,6 +186,19 @@ def test_parts_left_out_stand_beside_the_whole(files: dict[str, TaskFile]) -> No
     assert row.endswith("| not run | ≥ 4 |")
 
 
+def test_ablations_that_were_run_again_for_longer_stand_once(files: dict[str, TaskFile]) -> None:
+    whole = {"gamma": 0.8}
+    short = records([1.0] * 5, overrides=whole, steps=36_000)
+    short += records([2.0] * 5, overrides={**whole, "stages": False}, steps=36_000)
+    long = records([3.0] * 5, overrides=whole)
+    half = Book.of([*short, *long], files)
+    assert "[2.00 ± 0.00]" in line_of(ablations.files(half)["figure-4.md"], "| FlatWorld Cycle |")
+    long += records([4.0] * 5, overrides={**whole, "stages": False})
+    made = ablations.files(Book.of([*short, *long], files))
+    assert made["figure-4.md"].count("| FlatWorld Cycle |") == 1
+    assert "[4.00 ± 0.00]" in line_of(made["figure-4.md"], "| FlatWorld Cycle |")
+
+
 def test_betas_stand_in_the_papers_columns(files: dict[str, TaskFile]) -> None:
     found = records([1.0] * 5, overrides={"gamma": 0.8})
     for i, beta in enumerate((0.49, 0.25, 0.0)):

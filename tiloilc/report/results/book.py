@@ -91,7 +91,8 @@ class Book:
         """TiLoIL's rows in groups that differ in `settings` only, those of two rows or more.
 
         Rows that change one of the settings `apart` stay away. The group with the task file's own
-        other settings comes first. Where there is no group: the usual row alone, or nothing.
+        other settings comes first, and one that was run again for longer is left out. Where there
+        is no group: the usual row alone, or nothing.
         """
         groups: dict[tuple[Changes, str, Changes, int], dict[Changes, Row]] = {}
         for row in self.of_task(task, "tiloil"):
@@ -102,7 +103,14 @@ class Book:
             groups.setdefault(key, {})[varied] = row
         own = {tuple(p for p in one if p[0] not in settings) for one in self.defaults(task)}
         order = sorted(groups, key=lambda key: (key[0] not in own, -key[3], key))
-        found = [Family(task, groups[key]) for key in order if len(groups[key]) > 1]
+        last = [
+            key
+            for i, key in enumerate(order)
+            if not any(
+                key[:3] == k[:3] and groups[key].keys() <= groups[k].keys() for k in order[:i]
+            )
+        ]
+        found = [Family(task, groups[key]) for key in last if len(groups[key]) > 1]
         lone = self.usual(task, "tiloil")
         if found or lone is None:
             return found or [Family(task, {})]
