@@ -305,6 +305,7 @@ def test_actions_are_inferred_again_by_what_the_agent_has_done_since(
     """What it did at first was wrong about every step; the same demonstrations, better actions."""
     monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 600)
     monkeypatch.setattr("tiloilc.learn.agent.cloning.CLONING_STEPS", 600)
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.SCALED_BY", 700)  # of 3,000
     _, agent = learner(until=61)
     assert agent.demo_rows is not None
     before, first = agent.demo_rows.clone(), agent.layout.unpack(agent.demo_rows).action.clone()

@@ -22,6 +22,9 @@ INVERSE_BATCH = 256
 INVERSE_RATE = 3e-3
 """Inverse dynamics is a small regression; these settings fit FlatWorld to an error below 0.01."""
 
+SCALED_BY = 200_000
+"""Steps, at most, that inputs are standardised on: evenly spaced ones of a fuller replay."""
+
 CLONING_STEPS = 1000
 CLONING_BATCH = 128
 CLONING_RATE = 3e-3
@@ -86,7 +89,8 @@ class InverseModel:
     """a from (s, s' − s), both standardised on the replay; [seed, n, d] to [seed, n, m]."""
 
     def __init__(self, replay: Replay, layout: Layout, generator: torch.Generator) -> None:
-        seen = layout.unpack(replay.rows[:, : len(replay)])
+        apart = -(-len(replay) // SCALED_BY)
+        seen = layout.unpack(replay.rows[:, : len(replay) : apart])
         change = seen.next_observation - seen.observation
         self.mean = seen.observation.mean(1, keepdim=True)
         self.scale = seen.observation.std(1, keepdim=True).clamp(min=1e-6)
