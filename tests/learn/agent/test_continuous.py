@@ -329,6 +329,15 @@ def test_actions_are_inferred_again_by_what_the_agent_has_done_since(
     assert (agent.sac.mean_action(x) - batch.action).abs().mean() < 0.1 < apart
 
 
+def test_actions_that_are_inferred_again_are_not_cloned_without_a_warm_start() -> None:
+    _, agent = learner(until=61, warm_start="none", demo_replay=0.5)
+    assert agent.demo_rows is not None
+    rows, actor = agent.demo_rows.clone(), [p.clone() for p in agent.sac.actor.parameters]
+    agent.infer(cloning=True)
+    assert not torch.equal(agent.demo_rows, rows)
+    assert all(map(torch.equal, agent.sac.actor.parameters, actor))
+
+
 def test_recorded_actions_are_not_inferred_again() -> None:
     recorded = DemoSet((Demo(np.array(PATH, np.float32), np.full((7, 1), 4, np.float32)),))
     _, agent = learner(until=61, shown=recorded, actions="recorded")

@@ -181,7 +181,7 @@ class SacAgent:
         if self.demo_rows is None or self.shown.action is not None:
             return
         infer_again(self.demo_rows, self.replay, self.layout, self.generator)
-        if cloning:
+        if cloning and self.settings.warm_start != "none":
             self._clone(self.demo_rows)
 
     def _clone(self, rows: Tensor) -> None:
