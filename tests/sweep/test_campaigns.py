@@ -26,6 +26,7 @@ PARTS = [path for path in FILES if path.stem.startswith("ablations_")]
 """Those that change a part of TiLoIL, on tasks that the others run."""
 
 FAST = (
+    "ablations_carlo",
     "ablations_flatworld",
     "ablations_grids",
     "grids",
@@ -93,8 +94,9 @@ def test_the_pages_of_ablations_lack_nothing_after_their_campaigns() -> None:
     book = Book.of([record for path in PARTS for record in campaign(path)], tasks)
     pages = (ablations.files(book)["figure-4.md"], ablations.table_1(book), ablations.table_2(book))
     for text in pages:
-        rows = [line for line in text.splitlines() if line.startswith(("| FlatWorld", "| Grid"))]
-        assert len(rows) == 3 + 9
+        tasks_with = ("| FlatWorld", "| Grid", "| Carlo")
+        rows = [line for line in text.splitlines() if line.startswith(tasks_with)]
+        assert len(rows) == 3 + 9 + 1
         assert not any("not run" in row for row in rows)
 
 
@@ -105,7 +107,7 @@ def test_campaigns_are_found_to_be_without_fault() -> None:
         (request,) = asked(path)
         experiments, _ = check([request])
         assert len(experiments) == len(request.specs) * len(request.variants)
-    usual = 2  # Carlo with its own demonstrations, by TiLoIL and GAIL, is in two files
+    usual = 2  # Carlo with its own demonstrations and five seeds, by TiLoIL and GAIL, is in two
     both = [path for path in fast if "carlo" in path.stem]
     apart = sum(len(request.specs) * len(request.variants) for request in requests(both, Options()))
     assert len(check(requests(both, Options()))[0]) == apart - usual
