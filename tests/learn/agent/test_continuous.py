@@ -11,7 +11,7 @@ from tests.plan.automata import chain, flatworld_cycle, stabilization
 from tiloilc.demos import Demo, DemoSet
 from tiloilc.diag import CompileError
 from tiloilc.learn import make_loop
-from tiloilc.learn.agent.cloning import clone, fit_inverse_dynamics
+from tiloilc.learn.agent.cloning import clone, infer_actions
 from tiloilc.learn.agent.continuous import SacAgent
 from tiloilc.learn.agent.shown import _segments, show
 from tiloilc.learn.algorithm.tiloil import stage_reward, tiloil_backup
@@ -293,10 +293,65 @@ def test_actions_are_inferred_from_states(monkeypatch: pytest.MonkeyPatch) -> No
     zero = np.zeros((2, n), np.int64)
     agent.replay = type(agent.replay)(2, n, agent.layout.width)
     agent.record(before, action, before + 0.1 * action, zero, zero, zero.astype(np.bool_), zero)
-    model = fit_inverse_dynamics(agent.replay, agent.layout, agent.generator)
     batch = agent.layout.unpack(agent.replay.rows[:, :200])
-    found = model(batch.observation, batch.next_observation)
+    states = batch.observation, batch.next_observation
+    found = infer_actions(*states, agent.replay, agent.layout, agent.generator)
     assert (found - batch.action).abs().mean() < 0.1
+
+
+@pytest.mark.parametrize("jitter", [0.0, 1e-5])
+def test_what_the_agent_never_moved_says_nothing_of_demonstrated_actions(
+    jitter: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A block lies still, but for its jitter, until somebody lifts it: demonstrations do."""
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 600)
+    _, agent = learner(until=1)
+    rng = np.random.default_rng(0)
+    n = 3000
+    before = rng.normal(size=(2, n, 2)).astype(np.float32)
+    action = rng.uniform(-2, 4, (2, n, 1)).astype(np.float32)
+    after = before + 0.1 * action * np.array([1, 0], np.float32)
+    for states in (before, after):
+        states[..., 1] = 0.5 + jitter * rng.normal(size=(2, n))
+    zero = np.zeros((2, n), np.int64)
+    agent.replay = type(agent.replay)(2, n, agent.layout.width)
+    agent.record(before, action, after, zero, zero, zero.astype(np.bool_), zero)
+    shown, done = torch.zeros(2, 50, 2), 0.6 * torch.linspace(-1.5, 1.5, 50).sin()
+    shown[..., 0], shown[..., 1] = torch.linspace(-1, 1, 50), torch.linspace(0.5, 0.6, 50)
+    moved = torch.stack([0.1 * (1 + 3 * done), torch.full((50,), 0.002)], dim=-1)
+    found = infer_actions(shown, shown + moved, agent.replay, agent.layout, agent.generator)
+    assert (found[..., 0] - done).abs().mean() < 0.1
+
+
+def test_actions_that_lead_beyond_all_that_was_seen_are_those_at_its_edge(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 20)
+    _, agent = learner(until=60)
+    seen = agent.layout.unpack(agent.replay.rows[:, :60]).observation
+    far = seen.mean(1, keepdim=True) + seen.std(1, keepdim=True) * torch.tensor([[6.0], [9.0]])
+    found = infer_actions(far, far, agent.replay, agent.layout, agent.generator)
+    assert torch.equal(found[:, 0], found[:, 1])
+    assert (found.abs() < 1).all()
+
+
+def test_the_noise_of_actions_is_not_what_the_networks_were_drawn_from() -> None:
+    _, agent = learner(until=1)
+    first = torch.Generator().manual_seed(agent.generator.initial_seed())
+    noise = torch.Generator().manual_seed(agent.host.initial_seed())
+    assert not torch.equal(torch.rand(9, generator=first), torch.rand(9, generator=noise))
+
+
+def test_seeds_clone_by_steps_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two seeds that begin alike end apart: each draws which steps it is shown."""
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.CLONING_STEPS", 1)
+    _, agent = learner(until=1)
+    for layer in agent.sac.actor.parameters:
+        layer[1] = layer[0]
+    width = agent.sac.actor.parameters[0].shape[1]
+    x, action = torch.randn(300, width).expand(2, -1, -1), torch.rand(300, 1).expand(2, -1, -1)
+    clone(agent.sac, x, action, agent.generator)
+    assert not torch.equal(agent.sac.actor.parameters[0][0], agent.sac.actor.parameters[0][1])
 
 
 def test_actions_are_inferred_again_by_what_the_agent_has_done_since(
@@ -435,7 +490,7 @@ def test_nothing_is_shown_without_demonstrations() -> None:
 def test_step_sizes_fall_to_their_final_share_but_not_the_temperatures() -> None:
     _, agent = learner(until=50, steps=200, learning_starts=100, final_rate=0.2, actor_rate=0.5)
     sac = agent.sac
-    for step, share in ((0, 1.0), (50, 0.6), (100, 0.2)):
+    for step, share in ((0, 1.0), (50, 0.6), (100, 0.2), (163, 0.2)):  # 64 copies end past 200
         agent.learn(step)
         assert sac.actor_adam.rate.item() == pytest.approx(0.5 * share)
         assert sac.critic_adam.rate.item() == pytest.approx(agent.settings.critic_rate * share)

@@ -25,6 +25,12 @@ INVERSE_RATE = 3e-3
 SCALED_BY = 200_000
 """Steps, at most, that inputs are standardised on: evenly spaced ones of a fuller replay."""
 
+MOVED = 0.01
+"""An input whose spread is a smaller share of how far away demonstrations are says nothing."""
+
+REACH = 5.0
+"""Standard deviations beyond which the net is not asked: it was fitted to none out there."""
+
 CLONING_STEPS = 1000
 CLONING_BATCH = 128
 CLONING_RATE = 3e-3
@@ -57,7 +63,7 @@ def demonstrated_rows(
             Diagnostic.of("JOB604", setting="learning_starts", problem=problem, help=help)
         )
     if shown.action is None:
-        action = fit_inverse_dynamics(replay, layout, generator)(before, after)
+        action = infer_actions(before, after, replay, layout, generator)
     else:
         scaled = 2 * (shown.action - low) / (high - low) - 1
         action = torch.from_numpy(scaled.astype(np.float32)).to(device).expand(seeds, -1, -1)
@@ -70,31 +76,48 @@ def demonstrated_rows(
 def infer_again(rows: Tensor, replay: Replay, layout: Layout, generator: torch.Generator) -> None:
     """Write actions into demonstrated `rows` [seed, n, width], by the agent's steps so far."""
     shown = layout.unpack(rows)
-    model = fit_inverse_dynamics(replay, layout, generator)
-    shown.action.copy_(model(shown.observation, shown.next_observation))
+    before, after = shown.observation, shown.next_observation
+    shown.action.copy_(infer_actions(before, after, replay, layout, generator))
 
 
-def fit_inverse_dynamics(
-    replay: Replay, layout: Layout, generator: torch.Generator
-) -> InverseModel:
-    """Fit (s, s') → a on the agent's own transitions, for each seed on its own."""
-    model = InverseModel(replay, layout, generator)
+def infer_actions(
+    before: Tensor, after: Tensor, replay: Replay, layout: Layout, generator: torch.Generator
+) -> Tensor:
+    """The actions [seed, n, m], in [−1, 1], that lead from `before` to `after` [seed, n, d].
+
+    (s, s') → a is fitted to the agent's own transitions, for each seed on its own.
+    """
+    model = InverseModel(before, after, replay, layout, generator)
     for _ in range(INVERSE_STEPS):
         batch = layout.unpack(replay.sample(INVERSE_BATCH, generator))
         model.update(batch.observation, batch.next_observation, batch.action)
-    return model
+    return model(before, after)
 
 
 class InverseModel:
-    """a from (s, s' − s), both standardised on the replay; [seed, n, d] to [seed, n, m]."""
+    """a from (s, s' − s), both standardised on the replay; [seed, n, d] to [seed, n, m].
 
-    def __init__(self, replay: Replay, layout: Layout, generator: torch.Generator) -> None:
-        apart = -(-len(replay) // SCALED_BY)
-        seen = layout.unpack(replay.rows[:, : len(replay) : apart])
-        change = seen.next_observation - seen.observation
-        self.mean = seen.observation.mean(1, keepdim=True)
-        self.scale = seen.observation.std(1, keepdim=True).clamp(min=1e-6)
-        self.step = change.std(1, keepdim=True).clamp(min=1e-6)
+    What the agent's steps hardly moved, beside the demonstrations `before` → `after`, is left out:
+    how far away a block lies that it never touched would be counted in its jitter.
+    """
+
+    def __init__(
+        self,
+        before: Tensor,
+        after: Tensor,
+        replay: Replay,
+        layout: Layout,
+        generator: torch.Generator,
+    ) -> None:
+        every = -(-len(replay) // SCALED_BY)
+        seen = layout.unpack(replay.rows[:, : len(replay) : every])
+        own = _inputs(seen.observation, seen.next_observation)
+        spread = own.std(1, keepdim=True)
+        self.mean = own.mean(1, keepdim=True)
+        self.mean[..., layout.observation :] = 0  # changes are counted from none
+        apart = (_inputs(before, after) - self.mean).square().mean(1, keepdim=True).sqrt()
+        tells = (spread > 1e-6) & (spread > MOVED * apart)
+        self.scale = torch.where(tells, spread, torch.inf)
         sizes = [2 * layout.observation, *INVERSE_HIDDEN, layout.action]
         self.net = StackedMLP(replay.rows.shape[0], sizes, generator)
         self.adam = Adam(self.net.parameters, INVERSE_RATE)
@@ -104,8 +127,8 @@ class InverseModel:
         return torch.tanh(self._forward(observation, after)[0])
 
     def _forward(self, observation: Tensor, after: Tensor) -> tuple[Tensor, Tape]:
-        x = [(observation - self.mean) / self.scale, (after - observation) / self.step]
-        return self.net.forward(torch.cat(x, dim=-1))
+        x = (_inputs(observation, after) - self.mean) / self.scale
+        return self.net.forward(x.clamp(-REACH, REACH))
 
     def update(self, observation: Tensor, after: Tensor, action: Tensor) -> None:
         """One step of least squares."""
@@ -113,13 +136,20 @@ class InverseModel:
         self.adam.step(self.net.backward(tape, imitation(mean, action)[1]))
 
 
+def _inputs(before: Tensor, after: Tensor) -> Tensor:
+    """(s, s' − s) from (s, s'), [seed, n, 2d]."""
+    return torch.cat([before, after - before], dim=-1)
+
+
 def clone(sac: SoftActorCritic, x: Tensor, action: Tensor, generator: torch.Generator) -> None:
     """Behaviour cloning of demonstration steps x [seed, n, in] → action [seed, n, m]."""
     adam = Adam(sac.actor.parameters, CLONING_RATE)
+    seeds = torch.arange(len(x), device=x.device)[:, None]
     for _ in range(CLONING_STEPS):
-        rows = torch.randint(x.shape[1], (CLONING_BATCH,), generator=generator, device=x.device)
-        out, tape = sac.actor.forward(x[:, rows])
+        shape = (len(x), CLONING_BATCH)
+        rows = torch.randint(x.shape[1], shape, generator=generator, device=x.device)
+        out, tape = sac.actor.forward(x[seeds, rows])
         mean, raw = out.split(sac.actions, dim=-1)
-        slope = imitation(mean, action[:, rows])[1]
+        slope = imitation(mean, action[seeds, rows])[1]
         to_out = torch.cat([slope, torch.zeros_like(raw)], dim=-1)
         adam.step(sac.actor.backward(tape, to_out))

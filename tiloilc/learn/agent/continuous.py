@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from gymnasium.spaces import Box, Space
 
 
-HOST_SEED = 2**32
-"""Keeps the noise of actions apart from what learning draws."""
+HOST_SEED = 2**31
+"""Keeps the noise of actions apart from what learning draws; of a seed 32 bits count."""
 
 
 class SacAgent:
@@ -196,7 +196,7 @@ class SacAgent:
         if len(self.replay) == 0:  # the first episode is not judged yet
             return {}
         s, weight = self.settings, 0.0
-        gone = progress / max(s.steps - s.learning_starts, 1)
+        gone = min(progress / max(s.steps - s.learning_starts, 1), 1)  # copies end a little later
         self.sac.slow(1 - (1 - s.final_rate) * gone)
         if s.warm_start != "none":
             weight = max(1 - progress / max(s.warm_start_steps, 1), 0) / (1 - s.gamma)
