@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -116,6 +117,27 @@ def walked(policy: Policy) -> tuple[np.ndarray[Any, Any], list[int], int]:
         seen.append(observation)
     policy.observe(observation)
     return np.array(seen), [*states, policy.state], policy.visits
+
+
+def test_a_dictionary_of_arrays_is_read_as_the_flat_observation_is(run: Path) -> None:
+    policy = tiloilc.load_policy(run)
+    policy.plan = replace(policy.plan, fields={"rest": (1, 2), "first": (0, 1)})
+    flat = np.array([3.0, 0.5], np.float32)
+    assert policy.observe({"rest": np.array([0.5]), "first": 3}).tolist() == [flat.tolist()]
+
+
+@pytest.mark.parametrize(
+    "observation",
+    [{"place": 0.5, "switch": 1}, {"place": 0.5}, {"switch": np.ones(1)}, {"place": [1, 2]}, {}],
+)
+def test_a_dictionary_that_does_not_fill_an_observation_is_not_guessed_at(
+    run: Path, observation: dict[str, object]
+) -> None:
+    """A choice (Discrete) is one number in its dictionary and several to the networks."""
+    policy = tiloilc.load_policy(run)
+    policy.plan = replace(policy.plan, fields={"place": (0, 1), "switch": (1, 4)})
+    with pytest.raises(ValueError, match=r"does not fill .*'switch': 3.*flatten\(env"):
+        policy.act(observation)
 
 
 @pytest.mark.parametrize("name", ["best", "last"])

@@ -71,8 +71,8 @@ def _played(
     observation, _ = env.reset(seed=EVALUATION)
     seen, states, over, lost = [], [], False, 0
     for step in range(horizon + 1):
-        action = policy.act(observation)
         seen.append(_flat(env, observation))
+        action = policy.act(seen[-1])
         states.append(policy.state)
         lost = lost + 1 if policy.lost else 0
         last = step == horizon or over or lost > LOST

@@ -46,7 +46,12 @@ class Policy:
         self._begins, self.state, self.visits = True, self.walk.initial, 0
 
     def act(self, observation: object) -> Any:
-        """Read the label of `observation` and step the automaton; then the action."""
+        """Read the label of `observation` and step the automaton; then the action.
+
+        A dictionary is taken where its values are arrays. Where one of them is a choice
+        (`Discrete`) or the task file names parts of observations by itself, ValueError says what
+        to give.
+        """
         flat = self.observe(observation)
         return self.actor.act(flat, np.array([self.state]))[0]
 
@@ -80,13 +85,22 @@ class Policy:
     def _flat(self, observation: object) -> Floats:
         """[1, d]; of a dictionary, each key stands where the plan's field of that name does."""
         if isinstance(observation, Mapping):
-            stop = max(stop for _, stop in self.plan.fields.values())
-            flat = np.full(stop, np.nan, dtype=np.float32)
-            for name, value in observation.items():
-                start, stop = self.plan.fields[name]
-                flat[start:stop] = np.asarray(value, dtype=np.float32).reshape(-1)
-            return flat[None]
+            observation = self._joined(observation)
         return np.asarray(observation, dtype=np.float32).reshape(1, -1)
+
+    def _joined(self, observation: Mapping[str, object]) -> Floats:
+        """The arrays of a dictionary, each in its place. Raises ValueError if that is not known."""
+        fields = self.plan.fields
+        given = {k: np.asarray(v, np.float32).reshape(-1) for k, v in observation.items()}
+        sizes = {name: stop - start for name, (start, stop) in fields.items()}
+        shown = {name: len(value) for name, value in given.items()}
+        if shown != sizes:
+            hint = "give flatten(env.observation_space, observation) of gymnasium.spaces.utils"
+            raise ValueError(f"an observation of the sizes {shown} does not fill {sizes}: {hint}")
+        flat = np.empty(max(stop for _, stop in fields.values()), dtype=np.float32)
+        for name, (start, stop) in fields.items():
+            flat[start:stop] = given[name]
+        return flat
 
 
 def load_policy(run: str | Path, *, seed: int | None = None, policy: str = "best") -> Policy:
