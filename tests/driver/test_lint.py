@@ -73,6 +73,63 @@ def test_a_fault_is_found_and_placed(
         assert excerpt(path, found[0]).strip() == at
 
 
+SHOWN = "demonstrations: {source: expert, count: 2, actions: inferred}\ntrain:"
+NETWORKS = ("train:", SHOWN)
+ON_A_GRID = [
+    ("tiloilc/FlatWorld-v0", "tiloilc/GridSequential-v0"),
+    ("dist(pos, [0.45, -0.75]) < 0.3", "x > 3"),
+    ("norm(pos) < 0.8", "y > 3"),
+    ("dist(pos, [-0.85, 0.15]) < 0.3", "x < 1"),
+]
+
+
+@pytest.mark.parametrize(
+    ("changes", "settings", "code", "at"),
+    [
+        ([], ["exact_entry: false", "end_on_sink: false"], "JOB604", None),
+        ([], ["accepting_target: segment", "preset: paper"], "JOB604", "segment"),
+        ([NETWORKS], ["algorithm: gail", "end_on_sink: true"], "JOB604", "true"),
+        ([NETWORKS], ["algorithm: sqil", "demo_replay: 0"], "JOB604", "0"),
+        ([], ["algorithm: drl2", "epsilon: step"], "JOB604", "step"),
+        ([], ["algorithm: cycler", "epsilon: step"], "JOB604", "step"),
+        ([], ["algorithm: cloning"], "JOB604", "cloning"),
+        ([("train:", SHOWN.replace("inferred", "none"))], ["algorithm: cloning"], "JOB604", None),
+        ([*ON_A_GRID, NETWORKS], ["algorithm: cloning"], "JOB604", "cloning"),
+        ([NETWORKS], ["learning_starts: 0"], "JOB604", "0"),
+        ([NETWORKS], ["demo_replay: 0", "warm_start_steps: 7"], "JOB605", "7"),
+    ],
+)
+def test_settings_that_teach_nothing_of_something_are_found(
+    tmp_path: Path, changes: list[tuple[str, str]], settings: list[str], code: str, at: str | None
+) -> None:
+    lines = "\n  ".join(["steps: 10_000", *settings])
+    path = spec(tmp_path, *changes, ("steps: 10_000", lines))
+    found = [d for d in lint(path) if d.code in ("JOB604", "JOB605")]
+    assert codes(found) == [code], found
+    if at is not None:
+        assert excerpt(path, found[0]).strip() == at
+
+
+@pytest.mark.parametrize(
+    ("changes", "settings"),
+    [
+        ([], ["preset: paper"]),
+        ([], ["segment: false", "exact_entry: false", "end_on_sink: false"]),
+        ([], ["algorithm: lcer", "epsilon: step", "exact_entry: false", "end_on_sink: false"]),
+        ([NETWORKS], ["algorithm: cloning"]),
+        ([NETWORKS], ["algorithm: cloning", "demo_replay: 0"]),
+        ([NETWORKS], ["demo_replay: 0", "warm_start_steps: 0"]),
+        ([NETWORKS], ["demo_replay: 0", "warm_start: none", "learning_starts: 0"]),
+        ([*ON_A_GRID, NETWORKS], ["learning_starts: 0"]),
+    ],
+)
+def test_settings_that_differ_but_can_be_learned_by_are_not_found_fault_with(
+    tmp_path: Path, changes: list[tuple[str, str]], settings: list[str]
+) -> None:
+    path = spec(tmp_path, *changes, ("steps: 10_000", "\n  ".join(["steps: 10_000", *settings])))
+    assert not {"JOB604", "JOB600", "SPEC101", "SPEC111"} & set(codes(lint(path)))
+
+
 STEPS = "steps: 10_000\n  epsilon: step\n  accepting_target: "
 STAY = (FORMULA, '"F G r & G !y & G !b"')
 
@@ -92,10 +149,7 @@ def test_settings_are_doubted_only_where_they_matter(tmp_path: Path) -> None:
     changes = ("steps: 10_000", "steps: 10_000\n  sink_reward: 0")
     assert "JOB605" not in codes(lint(spec(tmp_path, without_sink, changes)))
     changes = ("steps: 10_000", "steps: 10_000\n  tau: 1e-5")
-    on_a_grid = ("tiloilc/FlatWorld-v0", "tiloilc/GridSequential-v0")
-    fields = [("dist(pos, [0.45, -0.75]) < 0.3", "x > 3"), ("norm(pos) < 0.8", "y > 3")]
-    fields += [("dist(pos, [-0.85, 0.15]) < 0.3", "x < 1")]
-    found = codes(lint(spec(tmp_path, on_a_grid, changes, *fields)))
+    found = codes(lint(spec(tmp_path, changes, *ON_A_GRID)))
     assert not {"JOB605", "JOB600", "SPEC111"} & set(found)
 
 

@@ -136,7 +136,12 @@ def test_where_a_seed_was_trained_is_not_part_of_its_spec(one: Experiment) -> No
 
 def test_cloning_is_done_however_many_steps_would_have_followed(tmp_path: Path) -> None:
     options = {"algorithms": ("cloning",), "records": str(tmp_path)}
-    (cloned,) = experiments(task(tmp_path), **options)
+    continuous = {
+        "environment": "environment: {id: tiloilc/FlatWorld-v0, horizon: 8}",
+        "  a": "  a: pos[0] > 0",
+        "  z": "  z: pos[0] < -1",
+    }
+    (cloned,) = experiments(task(tmp_path, **continuous), **options)
     append(cloned.records, records_of(cloned, range(2), plan_digest="of another version"))
     assert sorted(recorded([cloned], Same.SPEC, None)[0]) == [0, 1]
 

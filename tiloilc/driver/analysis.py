@@ -200,7 +200,7 @@ def _fit(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
         given = document.has("train", name)
         return document.span("train", name) if given else document.span("environment", "id")
 
-    found += backbone_findings(spec.train, asked, place)
+    found += backbone_findings(spec.train, spec.demonstrations, asked, place)
     for name, (start, stop) in spec.fields.items():
         if stop > asked.dimensions:
             span = document.span("observation", name)

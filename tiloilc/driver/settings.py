@@ -13,7 +13,10 @@ from tiloilc.spec import Demonstrations
 from tiloilc.spec.settings import ALGORITHM_GROUP, ALGORITHMS, Settings
 
 IMITATING = ("gail", "pwil", "sqil")
-"""Algorithms that learn from demonstrations alone."""
+"""Algorithms that learn from demonstrations alone. They know of no sinks."""
+
+BY_STEPS = ("cycler", "drl2")
+"""Algorithms that pay for steps through the automaton: a jump of its own has no place in them."""
 
 MAX_BETA = 0.5
 """Below it a later stage always pays more than an earlier one (paper, below Eq. 8)."""
@@ -48,9 +51,25 @@ def settings_findings(
     if settings.algorithm == "cloning" and settings.warm_start == "none":
         problem = "cloning needs a warm start"
         yield _bad("algorithm", problem, "set `warm_start: bc`", place)
-    if settings.end_on_sink and not settings.exact_entry:
+    yield from _target_findings(settings, place)
+
+
+def _target_findings(settings: Settings, place: Place) -> Iterator[Diagnostic]:
+    """JOB604 where nothing would teach an algorithm what a part of the automaton is worth."""
+    name, exact = settings.algorithm, settings.exact_entry
+    if settings.end_on_sink and name in IMITATING:
+        problem = f"{name} knows no sinks: it must see what comes after one"
+        yield _bad("end_on_sink", problem, "set `end_on_sink: false`", place)
+    elif settings.end_on_sink and not exact:
         problem = "no step of a sink is seen, so its value must be given"
         yield _bad("end_on_sink", problem, "set `exact_entry: true`", place)
+    rests = settings.segment and settings.accepting_target == "segment"
+    if name == "tiloil" and rests and not exact:
+        problem = "acceptance begins the next segment, so nothing but its exact value pays for it"
+        yield _bad("accepting_target", problem, "set `exact_entry: true`", place)
+    if name in BY_STEPS and settings.epsilon == "step":
+        problem = f"{name} pays for steps of the environment, which a jump is none of"
+        yield _bad("epsilon", problem, "set `epsilon: free`, or use `lcer`", place)
 
 
 def _algorithm_findings(name: str, place: Place) -> Iterator[Diagnostic]:
@@ -65,9 +84,14 @@ def _algorithm_findings(name: str, place: Place) -> Iterator[Diagnostic]:
 
 
 def backbone_findings(
-    settings: Settings, asked: Asked, place: Place = _nowhere
+    settings: Settings,
+    demonstrations: Demonstrations | None,
+    asked: Asked,
+    place: Place = _nowhere,
 ) -> Iterator[Diagnostic]:
-    """JOB604 and JOB608 where the backbone cannot learn in the environment's spaces."""
+    """JOB604 and JOB608 where the backbone cannot learn in the environment's spaces, or from these
+    demonstrations; JOB605 where it would make nothing of them.
+    """
     if backbone(settings, asked) == "sac" and asked.discrete:
         spaces = {"seen": str(asked.observation_space), "actions": str(asked.action_space)}
         help = "use a Box of actions, or fewer and whole-numbered observations"
@@ -75,6 +99,27 @@ def backbone_findings(
     if backbone(settings, asked) == "tabular" and not asked.finite:
         problem = "tabular learning needs whole-numbered observations and Discrete actions"
         yield _bad("backbone", problem, "use `sac`, or `auto`", place)
+    if backbone(settings, asked) == "tabular" and settings.algorithm == "cloning":
+        problem = "a table learns from demonstrations, it does not clone them"
+        yield _bad("algorithm", problem, "use `tiloil`", place)
+    if backbone(settings, asked) == "sac" and demonstrations is not None and demonstrations.count:
+        yield from _cloning_findings(settings, demonstrations, place)
+
+
+def _cloning_findings(
+    settings: Settings, demonstrations: Demonstrations, place: Place
+) -> Iterator[Diagnostic]:
+    """JOB604 and JOB605 where networks would clone demonstrations too early, or not at all."""
+    clones = settings.warm_start != "none" and demonstrations.actions != "none"
+    infers = settings.demo_replay > 0 and demonstrations.actions == "inferred"
+    if settings.learning_starts == 0 and (clones or infers):
+        problem = "demonstrations are cloned, and actions inferred, when the random steps are over"
+        yield _bad("learning_starts", problem, "2,000 is usual", place)
+    learns = settings.algorithm != "cloning"
+    if learns and clones and settings.warm_start_steps and settings.demo_replay == 0:
+        problem = "while learning, steps are cloned that are in the batch, and none is demonstrated"
+        help = "raise `demo_replay`, or set `warm_start_steps: 0`"
+        yield _doubtful("warm_start_steps", problem, help, place)
 
 
 def backbone(settings: Settings, asked: Asked) -> str:
@@ -89,11 +134,14 @@ def _imitation_findings(
 ) -> Iterator[Diagnostic]:
     """JOB604 where an algorithm that imitates has nothing to imitate."""
     name = settings.algorithm
-    if name in IMITATING and demonstrations.count == 0:
+    if name in (*IMITATING, "cloning") and demonstrations.count == 0:
         yield _bad("algorithm", f"{name} needs demonstrations", "add some, or use `lcer`", place)
-    elif name == "sqil" and demonstrations.actions == "none":
-        problem = "sqil needs the actions of demonstrations"
+    elif name in ("sqil", "cloning") and demonstrations.actions == "none":
+        problem = f"{name} needs the actions of demonstrations"
         yield _bad("algorithm", problem, "set `demonstrations.actions: inferred`", place)
+    if name == "sqil" and settings.demo_replay == 0:
+        problem = "sqil pays for demonstrated steps alone, of which a batch has none"
+        yield _bad("demo_replay", problem, "0.5 is usual", place)
 
 
 def doubtful_findings(

@@ -182,7 +182,7 @@ def _findings(analysis: Analysis, variant: Variant) -> Iterator[Diagnostic]:
         return variant.places[name] if name in variant.places else analysis.setting(name)
 
     yield from settings_findings(settings, spec.demonstrations, place)
-    yield from backbone_findings(settings, asked, place)
+    yield from backbone_findings(settings, spec.demonstrations, asked, place)
     tabular = backbone(settings, asked) == "tabular"
     yield from doubtful_findings(settings, ldba, stages, asked.greatest_entropy, tabular, place)
 

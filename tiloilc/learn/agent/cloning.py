@@ -57,8 +57,8 @@ def demonstrated_rows(
     before = torch.from_numpy(shown.observation).to(device).expand(seeds, -1, -1)
     after = torch.from_numpy(shown.next_observation).to(device).expand(seeds, -1, -1)
     if shown.action is None and len(replay) == 0:
-        problem = "actions cannot be inferred before a step was taken"
-        help = "take random steps first, 2,000 for instance"
+        problem = "actions cannot be inferred before the agent's first steps are in its replay"
+        help = "take more random steps: an episode's, where the algorithm judges whole ones"
         raise CompileError(
             Diagnostic.of("JOB604", setting="learning_starts", problem=problem, help=help)
         )

@@ -51,7 +51,8 @@ def make_agent(
 ) -> Agent:
     """A fresh learner: tabular on finite environments, SAC on others, or as the plan says.
 
-    Raises CompileError JOB608 for spaces that the backbone cannot take, JOB610 for an algorithm
+    Raises CompileError JOB604 where cloning is asked of a table, JOB608 for spaces that the
+    backbone cannot take, JOB610 for an algorithm
     that cannot be had, RUN709 if there is too little memory, RUN710 if the device
     is not there.
     """
@@ -60,6 +61,9 @@ def make_agent(
     backbone, horizon = settings.backbone, plan.environment.horizon
     if backbone == "auto":
         backbone = "tabular" if copies.finite else "sac"
+    if backbone == "tabular" and settings.algorithm == "cloning":
+        problem, help = "a table does not clone demonstrations", "use `tiloil`"
+        raise CompileError(Diagnostic.of("JOB604", setting="algorithm", problem=problem, help=help))
     if backbone == "tabular" and copies.finite and isinstance(actions, spaces.Discrete):
         generator = torch.Generator().manual_seed(settings.first_seed)
         return TabularAgent(settings, stages, walk, seen, actions, shown, horizon, generator)
