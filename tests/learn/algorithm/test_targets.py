@@ -192,9 +192,26 @@ def test_an_environment_that_has_ended_never_accepts_again() -> None:
     assert target(CYCLE, paper(), 0, [1], [2.0], terminal=True) == pytest.approx(0.5 + 0.9 * LOST)
 
 
-def test_an_environment_that_ends_in_acceptance_has_its_worth() -> None:
-    given = paper(exact_entry=True)
+@pytest.mark.parametrize("given", [{"exact_entry": True}, {}, {"segment": False}])
+def test_an_environment_that_ends_in_acceptance_has_its_worth(given: dict[str, bool]) -> None:
+    """No step leads on from there, so nothing but the target can say so."""
+    given = paper(**given)
     assert target(CYCLE, given, 2, [3], [2.0], terminal=True) == pytest.approx(0.5 + 0.9 * MOST)
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_where_an_environment_has_ended_the_best_option_is_the_one_that_accepts(
+    exact: bool,
+) -> None:
+    given = paper(exact_entry=exact)
+    ended = target(STAY, given, 0, [0, 1], [50.0, 3.0], terminal=True)
+    assert ended == pytest.approx(0.5 + 0.9 * MOST)
+
+
+@pytest.mark.parametrize("kind", ["live", "segment"])
+def test_acceptance_that_is_kept_when_the_environment_ends_is_kept_for_ever(kind: str) -> None:
+    given = paper(accepting_target=kind)
+    assert target(STAY, given, 1, [1], [2.0], terminal=True) == pytest.approx(1 + 0.9 * MOST)
 
 
 @pytest.mark.parametrize("kind", ["live", "segment"])

@@ -206,16 +206,20 @@ def tiloil_backup(
     """Eq. 4 with the best of the options [seed, n, K] as next state.
 
     `batch.state` is b *before* the step: acceptance of b, not of b', counts. `reward` [seed, n] is
-    R((s, b)), `wait` is as in `option_values`. An environment that has ended (`terminal`) never
-    accepts again.
+    R((s, b)), `wait` is as in `option_values`. An environment that has ended (`terminal`) stays
+    where it is: accepted for ever, or never again.
     """
     gamma, state = settings.gamma, batch.state
     most = 1 / (1 - gamma)
     lost = settings.sink_reward * most
     arrived = options if wait is None else options[..., :1]  # to jump is a matter of the next step
-    over = (batch.terminal & ~table.accepting[arrived].any(-1))[..., None]
+    ended, accepted = batch.terminal[..., None], table.accepting[arrived]
+    over, done = ended & ~accepted, ended & accepted
     value = option_values(table, options, settings, wait)
-    value = Backup(value.pay.masked_fill(over, lost), value.discount.masked_fill(over, 0.0))
+    value = Backup(
+        value.pay.masked_fill(over, lost).masked_fill(done, most),
+        value.discount.masked_fill(ended, 0.0),
+    )
     pay, discount = reward[..., None] + gamma * value.pay, gamma * value.discount
     accepts = table.accepting[state][..., None]
     if not settings.segment:
@@ -223,7 +227,7 @@ def tiloil_backup(
     if settings.accepting_target == "constant":
         return Backup(pay.masked_fill(accepts, most), discount.masked_fill(accepts, 0.0))
     stays = accepts & (table.code[state] == state)[..., None]
-    kept = (table.accepting[options] & ~over).float()  # V says what it is worth
+    kept = (table.accepting[options] & ~ended).float()  # V says what it is worth
     after = torch.full_like(kept, most).masked_fill(table.sink[options] | over, lost)
     after = after.masked_fill(kept > 0, 0.0)
     if wait is not None:
