@@ -137,6 +137,13 @@ def swept(made: Plan, shown: DemoSet | None = None, sweeps: int = 150) -> Tabula
     letter = labels_of(made.ldba)(after.reshape(-1, 1)).reshape(after.shape)
     seen, arrived = cell[..., None].astype(np.float32), after[..., None].astype(np.float32)
     agent.record(seen, action, arrived, b, letter, np.zeros(b.shape, dtype=np.bool_), b)
-    for _ in range(sweeps):
-        agent.learn(0)
+    learn_all(agent, sweeps)
     return agent
+
+
+def learn_all(agent: TabularAgent, sweeps: int) -> None:
+    """Learn the latest step of every copy, as an episode of its own, so many times."""
+    _, *shape = agent.recent.rows["state"].shape
+    for _ in range(sweeps):
+        agent.finish(np.ones(shape, dtype=np.bool_), np.ones(shape, dtype=np.int64))
+        agent.learn(0)

@@ -287,6 +287,21 @@ def test_more_steps_than_an_episode_has_push_out_the_oldest() -> None:
     assert taken(found) == [[[(0, 13 % SIZE), (1, 12 % SIZE), (2, 11 % SIZE), (3, 10 % SIZE)]]]
 
 
+def test_each_update_learns_one_copys_latest_step_in_turn() -> None:
+    """As many steps are learned as updates are asked for, whatever the number of copies."""
+    found = agent(seeds=2, learning_rate=0.5)
+    cells = np.array([[[1], [3]], [[1], [3]]], np.float32)
+    zero = np.zeros((2, 2), np.int64)
+    learned = []
+    for _ in range(2):
+        found.record(cells, zero + 10, cells, zero, zero, zero == 0, zero)
+        for _ in range(3):
+            before = found.q.clone()
+            found.learn(0)
+            learned.append((found.q != before).nonzero()[:, 1].unique().tolist())
+    assert learned == [[1], [3], [1], [1], [3], [1]]
+
+
 def test_seeds_learn_from_their_own_steps_only() -> None:
     found = agent(seeds=2, learning_rate=1.0)
     found.record(

@@ -7,7 +7,7 @@ import pytest
 import torch
 from gymnasium.spaces import Discrete
 
-from tests.learn.exact import RING, SIZE, labels_of
+from tests.learn.exact import RING, SIZE, labels_of, learn_all
 from tests.learn.exact import task as line
 from tests.learn.examples import beyond, cell_is, demos, generator, plan, settings
 from tests.plan.automata import automaton, chain, ring, stabilization
@@ -151,8 +151,7 @@ def test_lcer_finds_the_values_of_eventual_discounting() -> None:
     letter = labels_of(RING)(after.reshape(-1, 1)).reshape(after.shape)
     seen, arrived = (x[..., None].astype(np.float32) for x in (cell, after))
     agent.record(seen, action, arrived, b, letter, np.zeros(b.shape, dtype=np.bool_), b)
-    for _ in range(1000):
-        agent.learn(0)
+    learn_all(agent, 1000)
     away = BETWEEN**7
     assert agent.q[0, 0, WAITS].max().item() == pytest.approx(away / (1 - GAMMA * away), rel=1e-4)
 
@@ -373,20 +372,40 @@ def test_to_imitators_a_sink_is_a_state_like_others() -> None:
         assert targets(found, batch((HALF, NEVER), kept=[[0.0]])) == pytest.approx([GAMMA * 5])
 
 
+EVERYONE = torch.tensor([True])
+
+
 def test_a_table_learns_demonstrated_steps_once_it_knows_their_actions() -> None:
     """The way to the right was shown; who has never gone right cannot tell what was done."""
     made = line(RING, algorithm="sqil")
     agent = make_loop(made, demos([0, 1, 2, 3, 4]), labels_of(RING)).agent
     assert isinstance(agent, TabularAgent)
     assert agent.shown is not None
-    assert not agent.shown.known().valid.any()
+    assert not agent.shown.known(EVERYONE).valid.any()
     one, two = np.array([[[1.0]]], np.float32), np.array([[[2.0]]], np.float32)
     agent.shown.see(one, np.array([[2]]), two)
-    known = agent.shown.known()
+    assert not agent.shown.known(~EVERYONE).valid.any()  # whose episode has not ended
+    known = agent.shown.known(EVERYONE)
     (at,) = known.valid[0].nonzero()[:, 0].tolist()
     assert (known.batch.observation[0, at].item(), known.batch.action[0, at].item()) == (1, 2)
     assert known.age[0, at] == 2  # two steps come after it
     assert known.batch.shown.all()
+
+
+def test_demonstrations_are_learned_again_by_the_seeds_whose_episode_has_ended() -> None:
+    """What a seed learns does not depend on how often others' episodes end beside it."""
+    made = plan(RING, "TestsLine-v0", actions="recorded", algorithm="sqil", seeds=2)
+    shown = DemoSet((Demo(np.arange(3, dtype=np.float32)[:, None], np.array([[2], [2]])),))
+    agent = make_loop(made, shown, labels_of(RING)).agent
+    assert isinstance(agent, TabularAgent)
+    cells, zero = np.full((2, 1, 1), 4, np.float32), np.zeros((2, 1), np.int64)
+    agent.record(cells, zero + agent.first_action, cells, zero, zero, zero > 0, zero)
+    agent.finish(np.array([[False], [True]]), zero + 1)
+    before = agent.q.clone()
+    agent.learn(0)
+    moved = (agent.q != before).flatten(2).any(-1)
+    assert moved.any(1).tolist() == [False, True]
+    assert moved[1, :2].all()
 
 
 def test_recorded_actions_need_not_be_found_out() -> None:
@@ -395,7 +414,7 @@ def test_recorded_actions_need_not_be_found_out() -> None:
     agent = make_loop(made, shown, labels_of(RING)).agent
     assert isinstance(agent, TabularAgent)
     assert agent.shown is not None
-    known = agent.shown.known()
+    known = agent.shown.known(EVERYONE)
     assert known.batch.action.tolist() == [[2, 2]]
     assert known.valid.all()
 

@@ -15,6 +15,7 @@ from tests.product import worlds  # noqa: F401  # registers
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.learn.engine.state import State
 from tiloilc.learn.run.loop import Loop
+from tiloilc.learn.run.tally import Tally
 from tiloilc.plan import stage_plan
 from tiloilc.product import Copies, Floats, Int, Segmenter, walk_tables
 from tiloilc.spec.model import Environment
@@ -288,6 +289,14 @@ def test_a_violation_is_counted_once_an_episode() -> None:
 def test_nothing_is_claimed_before_an_episode_has_ended() -> None:
     loop, _ = looped(CHAIN, AT, until=2, horizon=5)
     assert loop.tally.event()["visits"] == [None, None]
+
+
+def test_losses_are_means_over_the_updates_that_had_any() -> None:
+    """Methods that judge whole episodes learn nothing between their ends."""
+    tally = Tally.empty(1, 2)
+    for losses in ({}, {"change": torch.tensor([4.0])}, {}, {"change": torch.tensor([2.0])}):
+        tally.add_losses(losses)
+    assert tally.event()["losses"] == {"change": [3.0]}
 
 
 # jumps that take a step

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import torch
+from torch import Tensor
 
 from tiloilc.learn.agent.shown import Shown
 from tiloilc.learn.agent.steps import Trail
@@ -44,13 +45,16 @@ class ShownSteps:
         before, to = (torch.from_numpy(self.cells(seen)) for seen in (observation, after))
         self.leads[self.seed, before, torch.from_numpy(action)] = to
 
-    def known(self) -> Trail:
-        """The steps [seed, n] of all demonstrations; those whose action is known are valid."""
+    def known(self, seeds: Tensor) -> Trail:
+        """The steps [seed, n] of all demonstrations; of `seeds` [seed] those are valid whose action
+        is known.
+        """
         trail = self.trail
         leads = self.leads[self.seed, self.before] == self.after[..., None]
         told = trail.batch.action >= 0
         action = torch.where(told, trail.batch.action, leads.int().argmax(-1))
-        return Trail(replace(trail.batch, action=action), told | leads.any(-1), trail.age)
+        valid = (told | leads.any(-1)) & seeds[:, None]
+        return Trail(replace(trail.batch, action=action), valid, trail.age)
 
 
 def shown_trail(shown: Shown, action: Int, kept: Floats, seeds: int) -> Trail:

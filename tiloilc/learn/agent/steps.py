@@ -45,12 +45,13 @@ class Recent:
             self.rows[name][self.taken % self.horizon] = column
         self.taken += 1
 
-    def last(self) -> Trail:
-        """The latest step of each copy; what the algorithm keeps of it is not known yet."""
+    def last(self, turn: int) -> Trail:
+        """The latest step of one copy, each in its turn; what is kept of it is not known yet."""
         at = (self.taken - 1) % self.horizon
-        shape = self.rows["state"][at].shape
-        kept, never = torch.zeros(*shape, self.kept), torch.zeros(shape, dtype=torch.bool)
-        columns = [torch.from_numpy(self.rows[name][at]) for name in _ROWS[:-1]]
+        seeds, copies = self.rows["state"][at].shape
+        one = slice(turn % copies, turn % copies + 1)
+        kept, never = torch.zeros(seeds, 1, self.kept), torch.zeros(seeds, 1, dtype=torch.bool)
+        columns = [torch.from_numpy(self.rows[name][at, :, one]) for name in _ROWS[:-1]]
         parts = [*columns, kept, never]
         return Trail(Batch(*parts), ~never, never.long())
 
@@ -88,6 +89,11 @@ _ROWS = ("observation", "action", "after", "state", "letter", "terminal", "arriv
 def _by_seed(rows: NDArray[Any]) -> Tensor:
     """Rows [step, seed, copy, …] as [seed, step · copy, …]."""
     return torch.from_numpy(rows.swapaxes(0, 1).copy()).flatten(1, 2)
+
+
+def ended(trails: Sequence[Trail]) -> Tensor:
+    """The seeds [seed] that have a step to learn in one of the trails."""
+    return torch.stack([trail.valid.any(1) for trail in trails]).any(0)
 
 
 def in_each_state(trail: Trail, states: Tensor) -> Trail:

@@ -12,7 +12,14 @@ from torch import Tensor
 
 from tiloilc.learn.agent.shown import Shown, judged_demonstrations
 from tiloilc.learn.agent.shown_steps import ShownSteps, shown_trail
-from tiloilc.learn.agent.steps import Recent, Trail, in_each_state, trails_of, trails_state
+from tiloilc.learn.agent.steps import (
+    Recent,
+    Trail,
+    ended,
+    in_each_state,
+    trails_of,
+    trails_state,
+)  # fmt: skip
 from tiloilc.learn.agent.turns import Turns
 from tiloilc.learn.algorithm.method import Backup, Setup, arrivals_of, make_method, rewards_of
 from tiloilc.learn.algorithm.tiloil import input_states
@@ -84,6 +91,7 @@ class TabularAgent:
         self.table: Floats = self.q.view(-1, self.actions).numpy()  # the same numbers by row
         self.recent = Recent(horizon, self.method.columns)
         self.closed: list[Trail] = []
+        self.turn = 0
 
     def act(self, observations: Floats, states: Int, greedy: bool) -> Int:
         """The action of greatest value, ties at random; while learning sometimes any action."""
@@ -123,6 +131,7 @@ class TabularAgent:
         arrived: Int,
     ) -> None:
         """Keep one step of each copy until its episode ends."""
+        self.turn = 0
         column = action - self.first_action
         self.recent.add(observation, column, after, state, letter, terminal, arrived)
         self.method.see(after, state, arrived)
@@ -146,13 +155,16 @@ class TabularAgent:
         """Demonstrated steps are learned as soon as the agent has seen them."""
 
     def learn(self, progress: float) -> dict[str, Tensor]:
-        """Learn the latest step, or backwards the episodes that it ended; how far Q moved."""
+        """Learn a copy's latest step, or backwards the episodes that ended; how far Q moved."""
         losses = dict[str, Tensor]()
-        trails = [] if self.method.columns else [self.recent.last()]  # if judged, then when over
+        judged = self.method.columns > 0  # when an episode is over
+        trails = [] if judged else [self.recent.last(self.turn)]
+        self.turn += 1
         if self.closed:
             losses = self.method.learn(self.method.draw())
             trails, self.closed = self.closed, []
-            trails += [self.shown.known()] if self.shown is not None else []
+            if self.shown is not None:
+                trails.append(self.shown.known(ended(trails)))
         moved = [self._learn(trail) for trail in trails]
         return {**losses, "change": torch.stack(moved).mean(0)} if moved else losses
 

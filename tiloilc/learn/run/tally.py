@@ -32,7 +32,9 @@ class Tally:
         return cls(none, none.copy(), none.copy(), occupancy, np.zeros(1, dtype=np.int64), {})
 
     def add_losses(self, losses: dict[str, Tensor]) -> None:
-        """Add one update's losses [seed]."""
+        """Add one update's losses [seed]; without any, nothing was learned."""
+        if not losses:
+            return
         for name, loss in losses.items():
             known = self.losses.get(name)  # on no GPU after resuming
             self.losses[name] = loss if known is None else known.to(loss.device) + loss
