@@ -222,6 +222,18 @@ def test_progress_pays_the_difference_of_potentials() -> None:
     assert targets(found, steps) == pytest.approx(expected)
 
 
+def test_states_that_read_alike_have_one_potential_whichever_steps_were_counted() -> None:
+    """They share a row of the table: what differed would be paid once more for each round."""
+    found = method("drl2", accepting_target="segment")
+    assert isinstance(found, DRL2)
+    for state, arrived, times in ((WAITS, HALF, 9), (WAITS, WAITS, 70), (ACCEPTS, SINK, 20)):
+        steps = np.full((1, times), state)
+        found.see(np.zeros((1, times, 1), np.float32), steps, np.full((1, times), arrived))
+    found.learn(found.draw())
+    assert found.potential[0, ACCEPTS] == found.potential[0, WAITS]
+    assert found.potential[0, WAITS] < found.potential[0, HALF]
+
+
 # CyclER
 
 

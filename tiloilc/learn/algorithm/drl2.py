@@ -13,6 +13,7 @@ from torch import Tensor
 
 from tiloilc.learn.algorithm.arrivals import Eventual
 from tiloilc.learn.algorithm.method import Backup, Setup
+from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.replay import Batch
 from tiloilc.learn.engine.state import State
 from tiloilc.product import Floats, Int, Walk
@@ -24,7 +25,8 @@ class DRL2(Eventual):
     def __init__(self, setup: Setup) -> None:
         super().__init__(setup)
         seeds, states = setup.settings.seeds, setup.walk.states
-        self.prior = optimistic_prior(setup.walk) * setup.settings.prior_count
+        self.code = input_states(setup.walk, setup.settings)
+        self.prior = optimistic_prior(setup.walk)[self.code] * setup.settings.prior_count
         self.counts = torch.zeros(seeds, states, states, dtype=torch.float64)
         self.seed = torch.arange(seeds)[:, None]
         self.potential = torch.zeros(seeds, states, device=setup.generator.device)
@@ -36,11 +38,17 @@ class DRL2(Eventual):
         self.counts.index_put_(edge, torch.ones(state.shape, dtype=torch.float64), accumulate=True)
 
     def draw(self) -> State:
-        """Today's potential; nothing is random."""
+        """Today's potential; nothing is random.
+
+        States that read alike share their values Q, so they share their edges, too: a potential
+        that differed would pay for each visit once more.
+        """
         s = self.settings
         accepting = self.accepting.cpu()
         discount = torch.where(accepting, s.gamma, s.gamma_between).double()
-        return {"potential": chain_values(self.prior + self.counts, accepting, discount).float()}
+        alike = torch.zeros_like(self.counts).index_add_(1, self.code, self.counts)
+        counts = self.prior + alike[:, self.code]
+        return {"potential": chain_values(counts, accepting, discount).float()}
 
     def learn(self, chance: State) -> dict[str, Tensor]:
         """Take the potential in."""
