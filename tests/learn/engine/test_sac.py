@@ -9,7 +9,13 @@ from torch.distributions import Normal, TanhTransform, TransformedDistribution
 
 from tests.learn.examples import generator, settings
 from tiloilc.learn.engine.networks import StackedMLP
-from tiloilc.learn.engine.sac import LOG_STD_MAX, LOG_STD_MIN, Imitated, SoftActorCritic
+from tiloilc.learn.engine.sac import (
+    LEAST_ALPHA,
+    LOG_STD_MAX,
+    LOG_STD_MIN,
+    Imitated,
+    SoftActorCritic,
+)  # fmt: skip
 
 SEEDS, INPUTS, ACTIONS, N = 3, 4, 2, 5
 
@@ -221,6 +227,18 @@ def test_a_tuned_temperature_follows_the_entropy(wanted: float, sign: int) -> No
     assert agent.log_alpha.tolist() == [0.0] * SEEDS
     agent.update_actor(inputs())
     assert (agent.log_alpha.detach() * sign > 0).all()
+
+
+def test_a_tuned_temperature_comes_back_from_an_entropy_out_of_reach() -> None:
+    """It stops at its least, however long there is too much, and rises as soon as there is not."""
+    agent = sac(entropy="tuned", target_entropy=-50, critic_rate=1.0)
+    for _ in range(16):
+        agent.update_actor(inputs())
+    assert agent.log_alpha.exp().tolist() == pytest.approx([LEAST_ALPHA] * SEEDS)
+    agent = sac(entropy="tuned", target_entropy=50, critic_rate=1.0)
+    agent.log_alpha.fill_(math.log(LEAST_ALPHA))
+    agent.update_actor(inputs())
+    assert (agent.log_alpha.exp() > 2 * LEAST_ALPHA).all()
 
 
 def test_a_fixed_temperature_stays() -> None:

@@ -26,6 +26,7 @@ from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.cells import Cells
 from tiloilc.learn.engine.replay import Batch
 from tiloilc.learn.engine.ring import Ring
+from tiloilc.learn.engine.sac import LEAST_ALPHA
 from tiloilc.learn.engine.state import State, under, with_prefix
 from tiloilc.plan import Stages
 from tiloilc.product import Floats, Int, Walk
@@ -285,7 +286,7 @@ class TabularAgent:
         gap = np.bincount(seed, missing, minlength=seeds) / number
         limit = 1 / (1 - self.settings.gamma)
         factor = torch.from_numpy(np.exp(self.settings.critic_rate * gap))
-        self.alpha.mul_(factor).clamp_(1e-6, limit)
+        self.alpha.mul_(factor).clamp_(LEAST_ALPHA, limit)
 
     def _demonstrated_values(self, shown: Shown) -> Tensor:
         """What demonstrated states are worth at least, [cell, automaton state].

@@ -20,6 +20,10 @@ LOG_STD_MIN, LOG_STD_MAX = -5.0, 2.0
 
 HALF_RANGE = 0.5 * (LOG_STD_MAX - LOG_STD_MIN)
 
+LEAST_ALPHA = 1e-6
+"""A tuned temperature falls no further: an entropy out of reach would take it down without end,
+and it would take as long to come back when entropy is wanted again."""
+
 
 @dataclass(frozen=True, slots=True)
 class Sample:
@@ -182,6 +186,7 @@ class SoftActorCritic:
         if self.tuned:
             wanted = self.settings.target_entropy * m
             self.alpha_adam.step([(-wanted - drawn.log_density).mean(1)])
+            self.log_alpha.clamp_(min=math.log(LEAST_ALPHA))
         return loss
 
     def follow(self) -> None:
