@@ -90,6 +90,40 @@ def test_noise_changes_what_is_recorded_and_is_told_in_the_sidecar(run: Run, wor
     assert calm.episodes[0].observations.tobytes() != wild.episodes[0].observations.tobytes()
 
 
+@pytest.mark.parametrize("name", ["mine.yaml", "mine.json", "mine", "mine.npz.bak"])
+def test_demonstrations_are_written_to_an_npz_only(name: str, run: Run, workdir: Path) -> None:
+    Path(name).write_text("mine")
+    status, out, err = run("demos", "record", "flatworld_cycle", "-n", 1, "-o", name)
+    assert (status, out) == (2, "")
+    assert err == f"error: demonstrations are kept as x.npz, not `{name}`\n"
+    assert [(p.name, p.read_text()) for p in workdir.iterdir()] == [(name, "mine")]
+
+
+@pytest.mark.parametrize("content", ["{", "[]", '{"schema_version": 1}'])
+def test_a_json_of_something_else_is_not_replaced(
+    content: str, run: Run, workdir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(workdir / "datasets"))
+    Path("flatworld_cycle.json").write_text(content)
+    for how in ((), ("-o", "flatworld_cycle.npz")):
+        status, out, err = run("demos", "record", "flatworld_cycle", "-n", 1, *how)
+        assert (status, out) == (2, "")
+        assert "`flatworld_cycle.json`, which goes beside it, is there already" in err
+    ours = bundled("flatworld_cycle")
+    assert ours is not None
+    save("ours.npz", ours)
+    assert run("demos", "convert", "ours.npz", "flat/cycle-v0")[0] == 0
+    assert run("demos", "convert", "flat/cycle-v0", "flatworld_cycle.npz")[0] == 2
+    assert Path("flatworld_cycle.json").read_text() == content
+    assert not Path("flatworld_cycle.npz").exists()
+
+
+def test_demonstrations_of_ones_own_are_recorded_anew(run: Run, workdir: Path) -> None:
+    for count in (2, 1):
+        assert run("demos", "record", "flatworld_cycle", "-n", count)[0] == 0
+    assert load("flatworld_cycle.npz").meta["steps"][1:] == []
+
+
 def test_a_task_file_that_is_not_there_is_a_finding(run: Run, workdir: Path) -> None:
     for verb in ("record", "check"):
         status, out, err = run("demos", verb, "nowhere.yaml")

@@ -57,6 +57,18 @@ def save(path: Path | str, demos: DemoSet) -> None:
     _write(path.with_suffix(".json"), text.encode())
 
 
+def foreign_sidecar(path: Path) -> Path | None:
+    """The file where the sidecar of `path` goes, if there is one that is no sidecar."""
+    sidecar = path.with_suffix(".json")
+    try:
+        meta = json.loads(sidecar.read_bytes())
+    except FileNotFoundError:
+        return None
+    except (ValueError, RecursionError):
+        return sidecar
+    return None if isinstance(meta, dict) and {"schema_version", "steps"} <= set(meta) else sidecar
+
+
 def load(path: Path | str, span: Span | None = None) -> DemoSet:
     """Read demonstrations. Raises CompileError DEMO500, at `span`, if they cannot be read."""
     path = Path(path)
