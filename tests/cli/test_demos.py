@@ -55,6 +55,36 @@ def raising(generator):
     raise RuntimeError("no fuel")
 """
 
+WEARY = """\
+import gymnasium
+import numpy as np
+
+
+class Weary(gymnasium.Env):
+    observation_space = gymnasium.spaces.Box(-1, 1, (1,))
+    action_space = gymnasium.spaces.Box(-1, 1, (1,))
+
+    def __init__(self, how):
+        self.how = how
+
+    def reset(self, *, seed=None, options=None):
+        self.steps = 0
+        if self.how == "reset" and seed == 0:
+            raise RuntimeError("no start")
+        return np.zeros(1, np.float32), {}
+
+    def step(self, action):
+        self.steps += 1
+        tired = self.steps > 5
+        if self.how == "step" and tired:
+            raise RuntimeError("no breath")
+        seen = np.full(1, np.nan if tired else 0.0, np.float32)
+        return seen if self.how != "size" or not tired else np.zeros(2), 0.0, False, False, {}
+
+
+gymnasium.register("Weary-v0", entry_point=Weary)
+"""
+
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str]) -> Run:
@@ -196,6 +226,27 @@ def test_a_function_that_cannot_be_used_is_a_finding(
     status, out, err = run("demos", "record", "swing.yaml", "--expert", expert)
     assert (status, out) == (1, "")
     assert f"error[DEMO509]: cannot use the expert `{expert}`: {problem}" in err
+    assert not Path("swing.npz").exists()
+
+
+@pytest.mark.parametrize(
+    ("how", "problem"),
+    [
+        ("reset", "reset() fails: RuntimeError: no start (weary.py, line 15)"),
+        ("step", "step() fails: RuntimeError: no breath (weary.py, line 22)"),
+        ("nan", "step() fails: ValueError: an observation that is not finite"),
+        ("size", "step() fails: ValueError: an observation of 2 numbers, not 1"),
+    ],
+)
+def test_an_environment_that_fails_is_named_with_its_line_and_nothing_is_kept(
+    how: str, problem: str, run: Run, swing: Path
+) -> None:
+    Path("weary.py").write_text(WEARY, encoding="utf-8")
+    named = SWING.replace("MountainCarContinuous-v0", f"weary:Weary-v0\n  kwargs: {{how: {how}}}")
+    Path("swing.yaml").write_text(named, encoding="utf-8")
+    status, out, err = run("demos", "record", "swing.yaml", "--expert", "drive.py:brief")
+    assert (status, out) == (1, "")
+    assert err == f"error[RUN707]: the environment `weary:Weary-v0` failed: {problem}\n"
     assert not Path("swing.npz").exists()
 
 
