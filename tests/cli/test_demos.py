@@ -177,6 +177,20 @@ def test_a_function_of_ones_own_records_the_demonstrations_that_the_task_asks_fo
     assert "stage" in head
 
 
+def test_numbered_actions_are_recorded_in_an_environment_of_gymnasium(
+    run: Run, swing: Path
+) -> None:
+    text = SWING.replace("MountainCarContinuous-v0", "FrozenLake-v1").replace("0.45", "15")
+    Path("swing.yaml").write_text(text, encoding="utf-8")
+    Path("walk.py").write_text("def walk(generator):\n    return lambda cell: 2\n")
+    status, out, err = run("demos", "record", "swing.yaml", "--expert", "walk.py:walk", "-n", 1)
+    assert (status, out) == (0, "swing.npz\n"), err
+    actions = load("swing.npz").episodes[0].actions
+    assert actions is not None
+    assert actions.dtype.kind == "i"
+    assert set(actions.tolist()) == {2}
+
+
 def test_what_a_function_returns_none_for_is_the_end(run: Run, swing: Path) -> None:
     assert run("demos", "record", "swing.yaml", "--expert", "drive.py:brief", "-n", 1)[0] == 0
     assert [demo.steps for demo in load("swing.npz").episodes] == [7]

@@ -178,6 +178,9 @@ def _episode(
     env: gymnasium.Env[Any, Any], environment: str, expert: Expert, horizon: int, seed: int
 ) -> tuple[Demo, bool]:
     """One episode, and whether the expert finished its rounds in it."""
+    from gymnasium.spaces import Discrete
+
+    numbered = isinstance(env.action_space, Discrete)
     space, generator = env.observation_space, np.random.default_rng(seed)
     with blamed(environment, "reset() fails", __file__):
         observation, _ = env.reset(seed=seed)
@@ -188,7 +191,7 @@ def _episode(
         if progress.done:
             break
         with blamed(environment, "step() fails", __file__):
-            observation, _, terminated, truncated, _ = env.step(action)
+            observation, _, terminated, truncated, _ = env.step(int(action) if numbered else action)
             observations.append(checked(space, observation).copy())
         actions.append(np.asarray(action))
         if terminated or truncated:
