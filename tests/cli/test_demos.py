@@ -27,6 +27,8 @@ train:
   steps: 4_000
 """
 
+LAKE = SWING.replace("MountainCarContinuous-v0", "FrozenLake-v1").replace("0.45", "15")
+
 DRIVE = """\
 def drive(generator):
     swung = False
@@ -180,8 +182,7 @@ def test_a_function_of_ones_own_records_the_demonstrations_that_the_task_asks_fo
 def test_numbered_actions_are_recorded_in_an_environment_of_gymnasium(
     run: Run, swing: Path
 ) -> None:
-    text = SWING.replace("MountainCarContinuous-v0", "FrozenLake-v1").replace("0.45", "15")
-    Path("swing.yaml").write_text(text, encoding="utf-8")
+    Path("swing.yaml").write_text(LAKE, encoding="utf-8")
     Path("walk.py").write_text("def walk(generator):\n    return lambda cell: 2\n")
     status, out, err = run("demos", "record", "swing.yaml", "--expert", "walk.py:walk", "-n", 1)
     assert (status, out) == (0, "swing.npz\n"), err
@@ -189,6 +190,16 @@ def test_numbered_actions_are_recorded_in_an_environment_of_gymnasium(
     assert actions is not None
     assert actions.dtype.kind == "i"
     assert set(actions.tolist()) == {2}
+
+
+@pytest.mark.parametrize("action", ["4", "-1", "1.7", "float('nan')", "'1'", "[1, 2]"])
+def test_an_action_without_that_number_is_a_finding(action: str, run: Run, swing: Path) -> None:
+    Path("swing.yaml").write_text(LAKE, encoding="utf-8")
+    Path("walk.py").write_text(f"def walk(generator):\n    return lambda cell: {action}\n")
+    status, out, err = run("demos", "record", "swing.yaml", "--expert", "walk.py:walk")
+    assert (status, out) == (1, "")
+    assert "error[DEMO509]: cannot use the expert `walk.py:walk`: it returned " in err
+    assert err.endswith(", which is none of the actions 0 to 3\n")
 
 
 def test_what_a_function_returns_none_for_is_the_end(run: Run, swing: Path) -> None:
