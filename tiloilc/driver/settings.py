@@ -9,6 +9,7 @@ from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import Diagnostic, Span, did_you_mean
 from tiloilc.driver.environment import Asked
 from tiloilc.plan import Stages
+from tiloilc.seeds import LAST_SEED
 from tiloilc.spec import Demonstrations
 from tiloilc.spec.settings import ALGORITHM_GROUP, ALGORITHMS, Settings
 
@@ -48,6 +49,9 @@ def settings_findings(
     if settings.algorithm == "cloning" and settings.warm_start == "none":
         problem = "cloning needs a warm start"
         yield _bad("algorithm", problem, "set `warm_start: bc`", place)
+    if settings.first_seed + settings.seeds - 1 > LAST_SEED:
+        problem = f"the others count up to {settings.first_seed + settings.seeds - 1:,}"
+        yield _bad("first_seed", problem, f"no seed goes beyond {LAST_SEED:,}", place)
     if settings.end_on_sink and not settings.exact_entry:
         problem = "no step of a sink is seen, so its value must be given"
         yield _bad("end_on_sink", problem, "set `exact_entry: true`", place)
