@@ -81,7 +81,10 @@ def command(
         int, typer.Option("--visits", min=1, help="Accepting visits that a trial must make.")
     ] = 1,
     time_limit: Annotated[
-        float, typer.Option("--time-limit", min=0.1, help="Seconds for each of Storm's answers.")
+        float,
+        typer.Option(
+            "--time-limit", min=0.1, max=1_000_000, help="Seconds for each of Storm's answers."
+        ),
     ] = 600.0,
     walk: Annotated[
         int | None,
