@@ -40,6 +40,7 @@ def save(path: Path | str, demos: DemoSet) -> None:
     The sidecar holds `demos.meta` with the schema version and the steps of each episode.
     """
     path = Path(path)
+    assert path.suffix != ".json", "the sidecar would take the archive's place"
     archive = BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_STORED) as bundle:
         for i, demo in enumerate(demos.episodes):
