@@ -156,6 +156,14 @@ def test_what_the_machine_refuses_is_not_our_fault(
     assert err.startswith(said)
 
 
+@pytest.mark.parametrize("verb", ["explain", "lint"])
+def test_what_a_terminal_cannot_show_is_escaped(root: Path, verb: str) -> None:
+    task = "specs/flatworld_stabilization.yaml"
+    done = python("-m", "tiloilc", verb, task, cwd=root, PYTHONIOENCODING="ascii")
+    assert done.returncode == 0, done.stderr
+    assert "\\u" in done.stdout
+
+
 def test_closed_streams_are_no_reason_to_fail(root: Path) -> None:
     closed = "import sys; sys.stdout = sys.stderr = None; from tiloilc.cli import main; "
     assert python("-c", closed + "main(['translate', 'F a'])", cwd=root).returncode == 0

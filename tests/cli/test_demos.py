@@ -27,6 +27,8 @@ train:
   steps: 4_000
 """
 
+LAKE = SWING.replace("MountainCarContinuous-v0", "FrozenLake-v1").replace("0.45", "15")
+
 DRIVE = """\
 def drive(generator):
     swung = False
@@ -53,6 +55,36 @@ def broken(generator):
 
 def raising(generator):
     raise RuntimeError("no fuel")
+"""
+
+WEARY = """\
+import gymnasium
+import numpy as np
+
+
+class Weary(gymnasium.Env):
+    observation_space = gymnasium.spaces.Box(-1, 1, (1,))
+    action_space = gymnasium.spaces.Box(-1, 1, (1,))
+
+    def __init__(self, how):
+        self.how = how
+
+    def reset(self, *, seed=None, options=None):
+        self.steps = 0
+        if self.how == "reset" and seed == 0:
+            raise RuntimeError("no start")
+        return np.zeros(1, np.float32), {}
+
+    def step(self, action):
+        self.steps += 1
+        tired = self.steps > 5
+        if self.how == "step" and tired:
+            raise RuntimeError("no breath")
+        seen = np.full(1, np.nan if tired else 0.0, np.float32)
+        return seen if self.how != "size" or not tired else np.zeros(2), 0.0, False, False, {}
+
+
+gymnasium.register("Weary-v0", entry_point=Weary)
 """
 
 
@@ -90,6 +122,40 @@ def test_noise_changes_what_is_recorded_and_is_told_in_the_sidecar(run: Run, wor
     assert calm.episodes[0].observations.tobytes() != wild.episodes[0].observations.tobytes()
 
 
+@pytest.mark.parametrize("name", ["mine.yaml", "mine.json", "mine", "mine.npz.bak"])
+def test_demonstrations_are_written_to_an_npz_only(name: str, run: Run, workdir: Path) -> None:
+    Path(name).write_text("mine")
+    status, out, err = run("demos", "record", "flatworld_cycle", "-n", 1, "-o", name)
+    assert (status, out) == (2, "")
+    assert err == f"error: demonstrations are kept as x.npz, not `{name}`\n"
+    assert [(p.name, p.read_text()) for p in workdir.iterdir()] == [(name, "mine")]
+
+
+@pytest.mark.parametrize("content", ["{", "[]", '{"schema_version": 1}'])
+def test_a_json_of_something_else_is_not_replaced(
+    content: str, run: Run, workdir: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(workdir / "datasets"))
+    Path("flatworld_cycle.json").write_text(content)
+    for how in ((), ("-o", "flatworld_cycle.npz")):
+        status, out, err = run("demos", "record", "flatworld_cycle", "-n", 1, *how)
+        assert (status, out) == (2, "")
+        assert "`flatworld_cycle.json`, which goes beside it, is there already" in err
+    ours = bundled("flatworld_cycle")
+    assert ours is not None
+    save("ours.npz", ours)
+    assert run("demos", "convert", "ours.npz", "flat/cycle-v0")[0] == 0
+    assert run("demos", "convert", "flat/cycle-v0", "flatworld_cycle.npz")[0] == 2
+    assert Path("flatworld_cycle.json").read_text() == content
+    assert not Path("flatworld_cycle.npz").exists()
+
+
+def test_demonstrations_of_ones_own_are_recorded_anew(run: Run, workdir: Path) -> None:
+    for count in (2, 1):
+        assert run("demos", "record", "flatworld_cycle", "-n", count)[0] == 0
+    assert load("flatworld_cycle.npz").meta["steps"][1:] == []
+
+
 def test_a_task_file_that_is_not_there_is_a_finding(run: Run, workdir: Path) -> None:
     for verb in ("record", "check"):
         status, out, err = run("demos", verb, "nowhere.yaml")
@@ -111,6 +177,29 @@ def test_a_function_of_ones_own_records_the_demonstrations_that_the_task_asks_fo
         [str(i), str(load("swing.npz").episodes[i].steps), "1", "-"] for i in range(3)
     ]
     assert "stage" in head
+
+
+def test_numbered_actions_are_recorded_in_an_environment_of_gymnasium(
+    run: Run, swing: Path
+) -> None:
+    Path("swing.yaml").write_text(LAKE, encoding="utf-8")
+    Path("walk.py").write_text("def walk(generator):\n    return lambda cell: 2\n")
+    status, out, err = run("demos", "record", "swing.yaml", "--expert", "walk.py:walk", "-n", 1)
+    assert (status, out) == (0, "swing.npz\n"), err
+    actions = load("swing.npz").episodes[0].actions
+    assert actions is not None
+    assert actions.dtype.kind == "i"
+    assert set(actions.tolist()) == {2}
+
+
+@pytest.mark.parametrize("action", ["4", "-1", "1.7", "float('nan')", "'1'", "[1, 2]"])
+def test_an_action_without_that_number_is_a_finding(action: str, run: Run, swing: Path) -> None:
+    Path("swing.yaml").write_text(LAKE, encoding="utf-8")
+    Path("walk.py").write_text(f"def walk(generator):\n    return lambda cell: {action}\n")
+    status, out, err = run("demos", "record", "swing.yaml", "--expert", "walk.py:walk")
+    assert (status, out) == (1, "")
+    assert "error[DEMO509]: cannot use the expert `walk.py:walk`: it returned " in err
+    assert err.endswith(", which is none of the actions 0 to 3\n")
 
 
 def test_what_a_function_returns_none_for_is_the_end(run: Run, swing: Path) -> None:
@@ -162,6 +251,27 @@ def test_a_function_that_cannot_be_used_is_a_finding(
     status, out, err = run("demos", "record", "swing.yaml", "--expert", expert)
     assert (status, out) == (1, "")
     assert f"error[DEMO509]: cannot use the expert `{expert}`: {problem}" in err
+    assert not Path("swing.npz").exists()
+
+
+@pytest.mark.parametrize(
+    ("how", "problem"),
+    [
+        ("reset", "reset() fails: RuntimeError: no start (weary.py, line 15)"),
+        ("step", "step() fails: RuntimeError: no breath (weary.py, line 22)"),
+        ("nan", "step() fails: ValueError: an observation that is not finite"),
+        ("size", "step() fails: ValueError: an observation of 2 numbers, not 1"),
+    ],
+)
+def test_an_environment_that_fails_is_named_with_its_line_and_nothing_is_kept(
+    how: str, problem: str, run: Run, swing: Path
+) -> None:
+    Path("weary.py").write_text(WEARY, encoding="utf-8")
+    named = SWING.replace("MountainCarContinuous-v0", f"weary:Weary-v0\n  kwargs: {{how: {how}}}")
+    Path("swing.yaml").write_text(named, encoding="utf-8")
+    status, out, err = run("demos", "record", "swing.yaml", "--expert", "drive.py:brief")
+    assert (status, out) == (1, "")
+    assert err == f"error[RUN707]: the environment `weary:Weary-v0` failed: {problem}\n"
     assert not Path("swing.npz").exists()
 
 

@@ -55,7 +55,7 @@ def test_letters_of_a_pipe_are_walked_one_a_line(run: Run, monkeypatch: pytest.M
 def test_what_is_wrong_is_said_and_nothing_is_lost(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    text = "r\nx\n{g\ny > 2\nback many\ncycle{r}\ng\n"
+    text = "r\nx\n{g\ny > 2\n:back many\ncycle{r}\ng\n"
     status, out, err = piped(run, monkeypatch, text, CYCLE, "--quiet")
     assert status == 1, "a program that pipes letters hears of it"
     assert [line.split()[1] for line in out.splitlines()[1:]] == ["{r}", "{g}"]
@@ -69,7 +69,7 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(
 def test_one_goes_back_begins_anew_and_asks_where_one_is(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    text = "r; g\nback\nword\nback 9\nr\nreset\nwhere\nhelp\nword\nquit\nr\n"
+    text = "r; g\n:back\n:word\n:back 9\nr\n:reset\n:where\n:help\n:word\n:quit\nr\n"
     status, out, err = piped(run, monkeypatch, text, CYCLE)
     assert status == 0
     assert [line.split()[:2] for line in out.splitlines()[1:]] == [
@@ -91,6 +91,25 @@ def test_a_proposition_may_have_the_name_of_a_command(
     status, out, _ = piped(run, monkeypatch, "back\n:back\nback\n:quit\nback\n", "F back", "-q")
     assert status == 0
     assert [line.split()[:2] for line in out.splitlines()[1:]] == [["0", "{back}"]] * 2
+
+
+@pytest.mark.parametrize("name", ["q", "exit", "undo"])
+def test_a_proposition_may_have_the_short_name_of_a_command(
+    name: str, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    status, out, _ = piped(run, monkeypatch, f"{name}\n{name}\n", f"F {name}", "-q")
+    assert status == 0
+    assert [line.split()[1] for line in out.splitlines()[1:]] == [f"{{{name}}}"] * 2
+
+
+@pytest.mark.parametrize("line", ["q", "quit", ":q"])
+def test_a_program_gives_no_command_by_mistake(
+    line: str, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    status, out, err = piped(run, monkeypatch, f"{line}\np\n", "F p", "-q")
+    assert status == 1, "the line is no letter"
+    assert [row.split()[1] for row in out.splitlines()[1:]] == ["{p}"]
+    assert "<stdin>:1:1" in err
 
 
 def test_a_jump_is_taken_only_when_it_is_chosen(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -241,6 +260,17 @@ def test_a_person_is_asked_which_way_to_go() -> None:
     terminal.say("b\n")
     assert "lost for ever" in terminal.until("\n> ")
     terminal.say("\x04")
+    assert terminal.ends() == 0
+
+
+def test_at_a_terminal_a_proposition_comes_before_a_command_and_its_short_names() -> None:
+    terminal = Terminal("F q")
+    terminal.until("\n> ")
+    terminal.say("q\n")
+    assert "0  {q}  " in terminal.until("\n> ")
+    terminal.say("undo\n")
+    assert "state 0, " in terminal.until("\n> ")
+    terminal.say(":q\n")
     assert terminal.ends() == 0
 
 

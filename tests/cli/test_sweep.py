@@ -77,6 +77,8 @@ def test_records_from_elsewhere_are_taken_over_and_count(workdir: Path, run: Run
         ),
         (["corridor.yaml", "--set", "demonstrations.count=-1"], "at least 0"),
         (["corridor.yaml", "--set", "beta=-1"], "at least 0"),
+        (["corridor.yaml", "--seeds", "1001"], "Invalid value for '--seeds'"),
+        (["corridor.yaml", "--first-seed", "99999999999"], "Invalid value for '--first-seed'"),
         (["corridor.yaml", "--engine", "rai"], "local, ray, slurm"),
         (["corridor.yaml", "--same", "x"], "plan, commit, spec"),
         (["corridor.yaml", "--engine-set", "x=1"], "Ray and Slurm"),
@@ -90,6 +92,18 @@ def test_a_wrong_option_is_a_usage_error(
     status, out, err = run("sweep", *arguments)
     assert (status, out) == (2, "")
     assert words in err
+
+
+def test_the_last_of_the_seeds_of_the_command_line_must_be_one(workdir: Path, run: Run) -> None:
+    task(workdir)
+    first = ("--first-seed", 2**31 - 5)
+    assert run("sweep", "corridor.yaml", *first, "--seeds", 5, "--dry-run")[0] == 0
+    status, out, err = run("sweep", "corridor.yaml", *first, "--seeds", 6, "--dry-run")
+    assert (status, out) == (1, "")
+    assert (
+        "error[JOB604]: setting `first_seed`: the others count up to 2,147,483,648\n"
+        "  = help: no seed goes beyond 2,147,483,647\n"
+    ) in err
 
 
 def test_a_mistake_in_the_last_is_told_before_the_first_begins(workdir: Path, run: Run) -> None:

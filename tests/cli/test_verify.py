@@ -194,6 +194,7 @@ def test_wrong_usage_is_told_in_a_line(workdir: Path, run: Run) -> None:
         (("grid_avoid_easy", "--record", "x.jsonl.gz"), "--record is about a run"),
         ((".", "--walk", "9", "--method", "simulate"), "--walk goes beside what is exact"),
         (("grid_avoid_easy", "-o", "x.gif"), "x.svg or x.png, not `x.gif`"),
+        (("grid_avoid_easy", "--time-limit", "inf"), "Invalid value for '--time-limit'"),
         ((".",), "no plan in `.`"),
     ):
         status, out, err = run("verify", *arguments)

@@ -56,6 +56,12 @@ def test_equal_values_give_equal_bytes(workdir: Path) -> None:
     assert sorted(p.name for p in workdir.iterdir()) == ["a.json", "a.npz", "b.json", "b.npz"]
 
 
+def test_an_archive_does_not_take_the_name_of_its_sidecar(workdir: Path) -> None:
+    with pytest.raises(AssertionError, match="sidecar"):
+        save("d.json", some())
+    assert not list(workdir.iterdir())
+
+
 def test_numpy_reads_the_archive_without_pickles(workdir: Path) -> None:
     save("d.npz", some())
     with np.load("d.npz", allow_pickle=False) as archive:

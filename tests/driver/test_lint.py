@@ -50,6 +50,7 @@ FORMULA = '"G F r & G !y & G !b"'
         (FORMULA, '"F r & F y & G !b"', "PLAN405", '"F r & F y & G !b"'),
         ("steps: 10_000", "steps: 10_000\n  beta: 1/2", "PLAN404", "1/2"),
         ("steps: 10_000", "steps: 10_000\n  backbone: tabular", "JOB604", "tabular"),
+        ("steps: 10_000", "steps: 10_000\n  first_seed: 2147483647", "JOB604", "2147483647"),
         ("steps: 10_000", "steps: 2_000", "JOB609", "2_000"),
         ("steps: 10_000", "steps: 10_000\n  sink_reward: -0.1", "JOB605", "-0.1"),
         ("steps: 10_000", "steps: 10_000\n  entropy: 1.5", "JOB605", "1.5"),

@@ -67,6 +67,18 @@ def test_a_missing_folder_is_a_usage_error_and_a_damaged_one_a_finding(
     assert status("report", run, "-o", tmp_path) == 2
 
 
+def test_a_report_is_written_to_a_page_only(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    run, mine = write_run(tmp_path / "a", seeds=2), tmp_path / "mine.yaml"
+    mine.write_text("mine")
+    assert status("report", run, "-o", "mine.yaml") == 2
+    assert capsys.readouterr().err == "error: a report is x.html or x.htm, not `mine.yaml`\n"
+    assert mine.read_text() == "mine"
+    assert status("report", run, "-o", "mine.HTM") == 0
+
+
 def browsed(page: Path, profile: Path) -> tuple[str, list[str]]:
     """(the document after its scripts ran, what the console says) of a page in Chromium."""
     done = subprocess.run(

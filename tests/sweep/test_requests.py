@@ -163,3 +163,10 @@ def test_a_task_file_is_not_taken_for_a_sweep() -> None:
 def test_a_set_may_hold_every_setting_but_the_seeds() -> None:
     names = {name for name in Changes.model_fields if not name.startswith("demonstrations.")}
     assert names == set(Settings.model_fields) - {"seeds", "first_seed"}
+
+
+def test_a_sweep_whose_seeds_count_up_too_far_is_told_where_it_says_so(tmp_path: Path) -> None:
+    task(tmp_path, train="train: {steps: 400, seeds: 3, learning_starts: 20}")
+    text = "specs: [corridor.yaml]\nfirst_seed: 2147483646\n"
+    (finding,) = [d for d in wrong(tmp_path, text) if d.code == "JOB604"]
+    assert marked(text, finding) == "2147483646"

@@ -29,6 +29,15 @@ def fail(text: str) -> typer.Exit:
     return typer.Exit(2)
 
 
+def checked_suffix(path: Path, what: str, *known: str) -> str:
+    """The suffix of a file to be written, in small letters. Raises Exit 2 if it is not `known`."""
+    suffix = path.suffix.lower()
+    if suffix not in known:
+        names = " or ".join(f"x{one}" for one in known)
+        raise fail(f"{what} {names}, not `{path.as_posix()}`")
+    return suffix
+
+
 @contextmanager
 def guests() -> Iterator[None]:
     """While this lasts, the code of others runs: an environment, a predicate in Python.

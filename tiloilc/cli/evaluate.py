@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, fail, guests, say
+from tiloilc.cli.console import Quiet, checked_suffix, fail, guests, say
 from tiloilc.cli.jobs import evaluate_job, open_job
 from tiloilc.cli.tasks import prepare_drawing
 from tiloilc.cli.verdict import verdict
@@ -60,10 +60,7 @@ def command(
 
 def _check_film(run: Path, film: Path) -> None:
     """Whether a film can be written at all: before minutes of evaluation."""
-    kind = film.suffix.lower()
-    if kind not in (".gif", ".mp4"):
-        raise fail(f"a film is x.gif or x.mp4, not `{film.as_posix()}`")
-    if kind == ".mp4":
+    if checked_suffix(film, "a film is", ".gif", ".mp4") == ".mp4":
         try:
             import imageio_ffmpeg  # noqa: F401
         except ImportError:

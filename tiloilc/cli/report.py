@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, fail, guests, say
+from tiloilc.cli.console import Quiet, checked_suffix, fail, guests, say
 
 Runs = Annotated[
     list[Path], typer.Argument(metavar="RUN", help="Run folders; several are compared.")
@@ -35,6 +35,8 @@ def command(runs: Runs, output: Out = None, quiet: Quiet = False) -> None:
             raise fail(f"no run folder `{run}`")
     if output is not None and output.is_dir():
         raise fail(f"`{output}` is a folder; name a file in it")
+    if output is not None:
+        checked_suffix(output, "a report is", ".html", ".htm")
 
     from tiloilc.report import write_report
 

@@ -19,6 +19,7 @@ from tiloilc.cli.console import Quiet, fail, guests, report, say
 from tiloilc.cli.settings import checked, settings_given
 from tiloilc.cli.sweeping import SweepProgress, seeds_of
 from tiloilc.cli.train import Set, Steps
+from tiloilc.seeds import LAST_SEED, MOST_AGENTS
 
 if TYPE_CHECKING:
     from tiloilc.sweep import Engine, Options, Outcome, Sweep
@@ -50,10 +51,12 @@ def command(
         str | None, typer.Option("--algorithms", metavar="A,B,…", help="Each with every spec.")
     ] = None,
     seeds: Annotated[
-        int | None, typer.Option("--seeds", min=1, help="Agents, instead of the specs'.")
+        int | None,
+        typer.Option("--seeds", min=1, max=MOST_AGENTS, help="Agents, instead of the specs'."),
     ] = None,
     first_seed: Annotated[
-        int | None, typer.Option("--first-seed", min=0, help="The others count up.")
+        int | None,
+        typer.Option("--first-seed", min=0, max=LAST_SEED, help="The others count up."),
     ] = None,
     steps: Steps = None,
     changes: Set = None,

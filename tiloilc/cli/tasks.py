@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tiloilc.cli.console import fail, guests
+from tiloilc.cli.console import checked_suffix, fail, guests
 
 if TYPE_CHECKING:
     from tiloilc.demos import DemoSet
@@ -47,6 +47,20 @@ def demonstrations_in(source: str) -> DemoSet:
 
     is_file = source.endswith(".npz") or Path(source).is_file()
     return load(source) if is_file else from_minari(source)
+
+
+def demonstrations_file(path: Path) -> Path:
+    """A file that demonstrations can be written to. Raises Exit 2 if `path` is none.
+
+    Its name must be that of an .npz, and the JSON beside it no file of something else.
+    """
+    from tiloilc.demos import foreign_sidecar
+
+    checked_suffix(path, "demonstrations are kept as", ".npz")
+    if other := foreign_sidecar(path):
+        what = "which goes beside it, is there already and not of demonstrations"
+        raise fail(f"`{path.as_posix()}` cannot be written: `{other.as_posix()}`, {what}")
+    return path
 
 
 def prepare_drawing() -> None:

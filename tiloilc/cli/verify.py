@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, fail, guests, say
+from tiloilc.cli.console import Quiet, checked_suffix, fail, guests, say
 from tiloilc.cli.jobs import EVENTS, open_job
 from tiloilc.cli.logic.subjects import subject_of
 from tiloilc.cli.run import Record
@@ -81,7 +81,10 @@ def command(
         int, typer.Option("--visits", min=1, help="Accepting visits that a trial must make.")
     ] = 1,
     time_limit: Annotated[
-        float, typer.Option("--time-limit", min=0.1, help="Seconds for each of Storm's answers.")
+        float,
+        typer.Option(
+            "--time-limit", min=0.1, max=1_000_000, help="Seconds for each of Storm's answers."
+        ),
     ] = 600.0,
     walk: Annotated[
         int | None,
@@ -118,8 +121,8 @@ def command(
         "--policy": policy, "--seed": seed, "--method": method, "--walk": walk, "-o": out,
         "--record": record,
     }  # fmt: skip
-    if out is not None and out.suffix.lower() not in (".svg", ".png"):
-        raise fail(f"a counterexample is drawn as x.svg or x.png, not `{out.as_posix()}`")
+    if out is not None:
+        checked_suffix(out, "a counterexample is drawn as", ".svg", ".png")
     if walk is not None and method is Method.SIMULATE:
         raise fail("--walk goes beside what is exact, and --method simulate leaves that out")
     from tiloilc.evaluate.verify import Wanted

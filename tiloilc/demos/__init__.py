@@ -1,7 +1,7 @@
 """Demonstrations: read, write, record, and replay through the automaton."""
 
 from tiloilc.demos.checks import check_replays, check_shape, is_needed
-from tiloilc.demos.files import load, save
+from tiloilc.demos.files import foreign_sidecar, load, save
 from tiloilc.demos.model import Demo, DemoSet
 from tiloilc.demos.recording import expert_names, play, record
 from tiloilc.demos.replay import Labels, Replay, best_run, replay, replay_all
@@ -19,6 +19,7 @@ __all__ = [
     "check_shape",
     "demonstrations_for",
     "expert_names",
+    "foreign_sidecar",
     "is_needed",
     "load",
     "play",

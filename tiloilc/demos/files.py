@@ -40,6 +40,7 @@ def save(path: Path | str, demos: DemoSet) -> None:
     The sidecar holds `demos.meta` with the schema version and the steps of each episode.
     """
     path = Path(path)
+    assert path.suffix != ".json", "the sidecar would take the archive's place"
     archive = BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_STORED) as bundle:
         for i, demo in enumerate(demos.episodes):
@@ -55,6 +56,18 @@ def save(path: Path | str, demos: DemoSet) -> None:
     text = json.dumps(meta, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
     _write(path, archive.getvalue())
     _write(path.with_suffix(".json"), text.encode())
+
+
+def foreign_sidecar(path: Path) -> Path | None:
+    """The file where the sidecar of `path` goes, if there is one that is no sidecar."""
+    sidecar = path.with_suffix(".json")
+    try:
+        meta = json.loads(sidecar.read_bytes())
+    except FileNotFoundError:
+        return None
+    except (ValueError, RecursionError):
+        return sidecar
+    return None if isinstance(meta, dict) and {"schema_version", "steps"} <= set(meta) else sidecar
 
 
 def load(path: Path | str, span: Span | None = None) -> DemoSet:

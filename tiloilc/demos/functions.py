@@ -26,6 +26,7 @@ from tiloilc.userfile import Unusable, meant, named, run_file
 
 if TYPE_CHECKING:
     import gymnasium
+    from gymnasium.spaces import Discrete
 
 Acts = Callable[[Any], object]
 
@@ -77,6 +78,10 @@ class FunctionExpert:
         return self._disturbed(self._action(wanted), generator), progress
 
     def _action(self, wanted: object) -> NDArray[Any]:
+        from gymnasium.spaces import Discrete
+
+        if isinstance(self.space, Discrete):
+            return self._numbered(wanted, self.space)
         shape = self.space.shape or ()
         try:
             action: NDArray[Any] = np.asarray(wanted, self.space.dtype).reshape(shape)
@@ -85,6 +90,17 @@ class FunctionExpert:
         except (TypeError, ValueError):
             pass
         problem = f"it returned {wanted!r}, which is no action of shape {list(shape)}"
+        raise _unusable(self.name, problem)
+
+    def _numbered(self, wanted: object, space: Discrete) -> NDArray[Any]:
+        first, last = int(space.start), int(space.start + space.n - 1)
+        try:
+            given = np.asarray(wanted).reshape(())
+            if (number := int(given)) == given and first <= number <= last:
+                return np.asarray(number, space.dtype)
+        except (TypeError, ValueError, OverflowError):
+            pass
+        problem = f"it returned {wanted!r}, which is none of the actions {first} to {last}"
         raise _unusable(self.name, problem)
 
     def _disturbed(self, action: NDArray[Any], generator: np.random.Generator) -> NDArray[Any]:

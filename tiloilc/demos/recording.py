@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tiloilc import __version__
-from tiloilc.demos.model import Demo, DemoSet, Floats
+from tiloilc.demos.model import Demo, DemoSet
 from tiloilc.diag import CompileError, Diagnostic, Span
+from tiloilc.foreign import blamed, checked
 
 if TYPE_CHECKING:
     import gymnasium
@@ -42,7 +43,7 @@ def record(
     MAX_TRIES are tried. Episode i begins with `reset(seed=seeds[i])`, the expert's own noise is
     drawn from the same seed. `noise` takes the place of the expert's own; 0 is none; so does `laps`
     of the rounds that it makes. Raises CompileError DEMO506 if there is no such expert, DEMO509 if
-    it has no noise or rounds to set.
+    it has no noise or rounds to set, RUN707 if the environment fails.
     """
     import gymnasium
 
@@ -58,7 +59,7 @@ def record(
     for trial in range(seed, seed + MAX_TRIES * count):
         if len(episodes) == count:
             break
-        demo, finished = _episode(env, chosen, horizon, trial)
+        demo, finished = _episode(env, environment, chosen, horizon, trial)
         if finished:
             episodes.append(demo)
             seeds.append(trial)
@@ -106,7 +107,7 @@ def play(
     chosen = _choose(env, environment, expert, None)
     if noise is not None:
         chosen = _changed(chosen, "noise", noise)
-    episodes = tuple(_episode(env, chosen, horizon, seed)[0] for seed in seeds)
+    episodes = tuple(_episode(env, environment, chosen, horizon, seed)[0] for seed in seeds)
     env.close()
     return episodes
 
@@ -174,27 +175,24 @@ def _changed(expert: Expert, field: str, value: float) -> Expert:
 
 
 def _episode(
-    env: gymnasium.Env[Any, Any], expert: Expert, horizon: int, seed: int
+    env: gymnasium.Env[Any, Any], environment: str, expert: Expert, horizon: int, seed: int
 ) -> tuple[Demo, bool]:
     """One episode, and whether the expert finished its rounds in it."""
-    from gymnasium.spaces.utils import flatten
+    from gymnasium.spaces import Discrete
 
-    structured = env.observation_space.shape is None
-
-    def flat(observation: Any) -> Floats:
-        row = flatten(env.observation_space, observation) if structured else observation
-        return np.array(row, np.float32).reshape(-1)
-
-    generator = np.random.default_rng(seed)
-    observation, _ = env.reset(seed=seed)
+    numbered = isinstance(env.action_space, Discrete)
+    space, generator = env.observation_space, np.random.default_rng(seed)
+    with blamed(environment, "reset() fails", __file__):
+        observation, _ = env.reset(seed=seed)
+        observations, actions = [checked(space, observation).copy()], []
     progress = expert.begin(observation, generator)
-    observations, actions = [flat(observation)], []
     for _ in range(horizon):
         action, progress = expert.act(observation, progress, generator)
         if progress.done:
             break
-        observation, _, terminated, truncated, _ = env.step(action)
-        observations.append(flat(observation))
+        with blamed(environment, "step() fails", __file__):
+            observation, _, terminated, truncated, _ = env.step(int(action) if numbered else action)
+            observations.append(checked(space, observation).copy())
         actions.append(np.asarray(action))
         if terminated or truncated:
             break

@@ -10,6 +10,7 @@ import numpy as np
 from tiloilc.deploy.policy import Policy
 from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate.seeds import EVALUATION
+from tiloilc.foreign import flat
 from tiloilc.report.maps import cropped, map_of
 from tiloilc.report.pictures.film import Film, shown_steps
 from tiloilc.report.pictures.frames import NoFrames, frame, make
@@ -71,7 +72,7 @@ def _played(
     observation, _ = env.reset(seed=EVALUATION)
     seen, states, over, lost = [], [], False, 0
     for step in range(horizon + 1):
-        seen.append(_flat(env, observation))
+        seen.append(flat(env.observation_space, observation))
         action = policy.act(seen[-1])
         states.append(policy.state)
         lost = lost + 1 if policy.lost else 0
@@ -95,11 +96,3 @@ def _filled(frames: dict[int, Pixels], steps: list[int]) -> dict[int, Pixels]:
     if not there:
         return {}
     return {step: frames[max(t for t in there if t <= step)] for step in steps}
-
-
-def _flat(env: gymnasium.Env[Any, Any], observation: Any) -> np.ndarray[Any, np.dtype[np.float32]]:
-    from gymnasium.spaces.utils import flatten
-
-    if env.observation_space.shape is None:
-        observation = flatten(env.observation_space, observation)
-    return np.asarray(observation, np.float32).reshape(-1)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tiloilc.diag import CompileError, Diagnostic, did_you_mean
+from tiloilc.foreign import dimensions_of, flat
 from tiloilc.plan import importable
 from tiloilc.spec import Document, Environment
 from tiloilc.versions import is_broken_mujoco
@@ -82,7 +83,7 @@ def ask(environment: Environment, document: Document) -> Asked:
                     Diagnostic.of("JOB602", span, environment=environment.id, problem=problem)
                 )
             seen, acts = env.observation_space, env.action_space
-            dimensions, finite = _dimensions(seen), is_finite(seen, acts)
+            dimensions, finite = dimensions_of(seen), is_finite(seen, acts)
             doing = "reading observation_fields"
             published = {**_keys(seen), **_published(env, dimensions)}
             doing = "`reset()`"
@@ -198,7 +199,7 @@ def _unsupported(env: gymnasium.Env[Any, Any]) -> str:
         if not isinstance(part, plain):
             at = f" under `{key}`" if key else ""
             return f"observations that are no flat numbers ({type(part).__name__}{at})"
-    if not _dimensions(seen):
+    if not dimensions_of(seen):
         return "observations without a number in them"
     if isinstance(acts, spaces.Discrete):
         return ""
@@ -207,15 +208,6 @@ def _unsupported(env: gymnasium.Env[Any, Any]) -> str:
     if not acts.is_bounded():
         return "unbounded actions"
     return "" if (acts.low < acts.high).all() and acts.low.size else "actions that cannot vary"
-
-
-def _dimensions(space: gymnasium.Space[Any]) -> int:
-    """Numbers in a flat observation: a Dict is flattened, anything else laid out as it is."""
-    from math import prod
-
-    from gymnasium import spaces
-
-    return spaces.flatdim(space) if isinstance(space, spaces.Dict) else prod(space.shape or (1,))
 
 
 def _keys(space: gymnasium.Space[Any]) -> dict[str, tuple[int, int]]:
@@ -250,21 +242,18 @@ def _published(env: gymnasium.Env[Any, Any], dimensions: int) -> dict[str, tuple
 def _tried(env: gymnasium.Env[Any, Any], dimensions: int) -> NDArray[np.float32]:
     """The observations [n, d] of a few random steps. Raises whatever the environment raises."""
     import numpy as np
-    from gymnasium import spaces
 
-    def flat(observation: Any) -> NDArray[np.float32]:
-        if isinstance(observation, dict):
-            observation = spaces.flatten(env.observation_space, observation)
-        row = np.asarray(observation, dtype=np.float32).reshape(-1)
+    def seen(observation: Any) -> NDArray[np.float32]:
+        row = flat(env.observation_space, observation)
         if row.size != dimensions:
             raise ValueError(f"an observation of {row.size} numbers, not {dimensions}")
         return row
 
     env.action_space.seed(7)
-    rows = [flat(env.reset(seed=7)[0])]
+    rows = [seen(env.reset(seed=7)[0])]
     for _ in range(STEPS):
         observation, _, terminated, truncated, _ = env.step(env.action_space.sample())
-        rows.append(flat(observation))
+        rows.append(seen(observation))
         if terminated or truncated:
             break
     return np.stack(rows)

@@ -9,6 +9,7 @@ from tiloilc.automaton.ldba import Ldba
 from tiloilc.diag import Diagnostic, Span, did_you_mean
 from tiloilc.driver.environment import Asked
 from tiloilc.plan import Stages
+from tiloilc.seeds import LAST_SEED
 from tiloilc.spec import Demonstrations
 from tiloilc.spec.settings import ALGORITHM_GROUP, ALGORITHMS, Settings
 
@@ -51,6 +52,10 @@ def settings_findings(
     if settings.algorithm == "cloning" and settings.warm_start == "none":
         problem = "cloning needs a warm start"
         yield _bad("algorithm", problem, "set `warm_start: bc`", place)
+    last = settings.first_seed + settings.seeds - 1
+    if last > LAST_SEED:
+        problem = f"the others count up to {last:,}"
+        yield _bad("first_seed", problem, f"no seed goes beyond {LAST_SEED:,}", place)
     yield from _target_findings(settings, place)
 
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 import importlib
 import os
 import time
-import traceback
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from math import prod
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tiloilc.diag import CompileError, Diagnostic
+from tiloilc.foreign import blamed, checked, dimensions_of, flat
 from tiloilc.spec.model import Environment
 
 if TYPE_CHECKING:
@@ -41,28 +39,20 @@ class Copies:
     """
 
     def __init__(self, environment: Environment, count: int) -> None:
-        import gymnasium as gym
-
         self.count, self.id = count, environment.id
         name = _import_module_of(environment.id)
         self.vector = _batched(name, environment, count)
         self.singles: list[gym.Env[Any, Any]] = []
         if self.vector is None:
-            try:
+            with blamed(self.id, "it cannot be made", __file__):
                 self.singles = [_single(name, environment) for _ in range(count)]
-            except Exception as error:
-                self._blame("it cannot be made", error)
             self.observation_space = self.singles[0].observation_space
             self.action_space = self.singles[0].action_space
         else:
             self.observation_space = self.vector.single_observation_space
             self.action_space = self.vector.single_action_space
         self.finite = is_finite(self.observation_space, self.action_space)
-        self.dimensions = (
-            gym.spaces.flatdim(self.observation_space)
-            if isinstance(self.observation_space, gym.spaces.Dict)
-            else prod(self.observation_space.shape or (1,))
-        )
+        self.dimensions = dimensions_of(self.observation_space)
         self._seen: Floats = np.zeros((count, self.dimensions), dtype=np.float32)
         self._range = bounds(self.observation_space) if self.finite else None
         self._threads: ThreadPoolExecutor | None = None
@@ -136,43 +126,21 @@ class Copies:
                 do(i)
 
         run = map if self._threads is None else self._threads.map
-        try:
+        with blamed(self.id, fails, __file__):
             list(run(do_share, self._shares))
-        except Exception as error:
-            self._blame(fails, error)
 
     def _checked(self, observation: Any) -> Floats:
         """One observation, flat. Raises ValueError if it cannot be learned from."""
-        flat = self._flat_single(observation)
-        if flat.shape != (self.dimensions,):
-            raise ValueError(f"an observation of {flat.size} numbers, not {self.dimensions}")
-        if not np.isfinite(flat).all():
-            raise ValueError("an observation that is not finite")
-        if self._range is not None and ((flat < self._range[0]) | (flat > self._range[1])).any():
+        row = checked(self.observation_space, observation)
+        if self._range is not None and ((row < self._range[0]) | (row > self._range[1])).any():
             raise ValueError("an observation outside the observation space")
-        return flat
-
-    def _blame(self, what: str, error: Exception) -> NoReturn:
-        """Say what went wrong in the environment, and where in its own files."""
-        words = str(error).strip().splitlines()
-        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename != __file__]
-        at = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""
-        kind = type(error).__name__
-        problem = f"{what}: {': '.join([kind, *words[:1]])}{at}"
-        raise CompileError(Diagnostic.of("RUN707", id=self.id, problem=problem)) from error
+        return row
 
     def _flat(self, observations: Any) -> Floats:
         if isinstance(observations, dict):
             singles = [{k: v[i] for k, v in observations.items()} for i in range(self.count)]
-            return np.stack([self._flat_single(single) for single in singles])
+            return np.stack([flat(self.observation_space, single) for single in singles])
         return np.array(observations, dtype=np.float32).reshape(self.count, -1)
-
-    def _flat_single(self, observation: Any) -> Floats:
-        from gymnasium.spaces.utils import flatten
-
-        if isinstance(observation, dict):
-            observation = flatten(self.observation_space, observation)
-        return np.asarray(observation, dtype=np.float32).reshape(-1)
 
 
 def single(environment: Environment) -> gym.Env[Any, Any]:

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
+from tiloilc.seeds import LAST_SEED, MOST_AGENTS
 from tiloilc.spec.base import Model, Number, Whole, to_number
 from tiloilc.spec.presets import preset_of, what_it_is
 
@@ -56,14 +57,14 @@ class Settings(Model):
         description="`auto`: tabular on finite environments, SAC elsewhere (appendix H.2)"
     )
     steps: Steps = Field(description="environment steps, per seed")
-    seeds: Whole = Field(gt=0, le=1000, description="independent agents, trained together")
+    seeds: Whole = Field(gt=0, le=MOST_AGENTS, description="independent agents, trained together")
     copies: Whole = Field(
         gt=0,
         le=4096,
         description="environments that each agent steps side by side; a step of all counts as many",
     )
     first_seed: Whole = Field(
-        ge=0, le=2**31 - 1, description="the first agent's seed; the others count up"
+        ge=0, le=LAST_SEED, description="the first agent's seed; the others count up"
     )
     checkpoint_every: Steps = Field(description="environment steps between two checkpoints")
 

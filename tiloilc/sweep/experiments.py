@@ -110,7 +110,7 @@ def check(requests: Iterable[Request]) -> tuple[list[Experiment], list[Diagnosti
                 known = analyses[key]
                 if known is None:
                     continue
-                said = list(_findings(known[0], variant))
+                said = list(_findings(known[0], variant, request))
                 found += said
                 if any(d.severity is Severity.ERROR for d in said):
                     continue
@@ -167,19 +167,20 @@ def _compile(spec: Path, laid: Laid, found: list[Diagnostic]) -> tuple[Analysis,
     return None if analysis.failed else (analysis, compiled(analysis))
 
 
-def _findings(analysis: Analysis, variant: Variant) -> Iterator[Diagnostic]:
-    """What is wrong or strange about a variant's settings in this task."""
+def _findings(analysis: Analysis, variant: Variant, request: Request) -> Iterator[Diagnostic]:
+    """What is wrong or strange about a variant's settings in this task, with what seeds it has."""
     spec, asked, ldba, stages = analysis.spec, analysis.asked, analysis.ldba, analysis.stages
     assert spec is not None
     assert asked is not None
     assert ldba is not None
     assert stages is not None
-    if not variant.train:
+    changes, places = {**variant.train, **request.agents}, {**variant.places, **request.places}
+    if not changes:
         return
-    settings = spec.train.override(variant.train)
+    settings = spec.train.override(changes)
 
     def place(name: str) -> Span | None:
-        return variant.places[name] if name in variant.places else analysis.setting(name)
+        return places[name] if name in places else analysis.setting(name)
 
     yield from settings_findings(settings, spec.demonstrations, place)
     yield from backbone_findings(settings, spec.demonstrations, asked, place)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import reduce
 from glob import glob, has_magic
@@ -15,7 +15,7 @@ from tiloilc.diag import CompileError, Diagnostic, Severity, Span
 from tiloilc.spec.base import Model
 from tiloilc.spec.laid import DEMO_FILE, PREFIX, Laid, beside, exclusive, seen_from
 from tiloilc.spec.read import Document, examine_document, file_text, read_document
-from tiloilc.sweep.model import SWEEP_FILE, Sweep, given
+from tiloilc.sweep.model import OWN, SWEEP_FILE, Sweep, given
 
 RECORDS = "results"
 """The folder in which records are kept, unless told otherwise."""
@@ -55,7 +55,10 @@ class Variant:
 
 @dataclass(frozen=True)
 class Request:
-    """Specs × variants × seeds. What is None is as the spec says; `records` is a pattern."""
+    """Specs × variants × seeds. What is None is as the spec says; `records` is a pattern.
+
+    `places` says where the seeds are given, if here: in a sweep file; None: on the command line.
+    """
 
     specs: tuple[Path, ...]
     variants: tuple[Variant, ...]
@@ -63,6 +66,13 @@ class Request:
     first_seed: int | None = None
     seeds_per_job: int | None = None
     records: str = RECORDS
+    places: Mapping[str, Span | None] = field(default_factory=dict)
+
+    @property
+    def agents(self) -> Mapping[str, int]:
+        """The settings that say which seeds there are, as far as they are given."""
+        asked = {"seeds": self.seeds, "first_seed": self.first_seed}
+        return {name: number for name, number in asked.items() if number is not None}
 
 
 @dataclass(frozen=True)
@@ -113,6 +123,7 @@ def of_specs(specs: tuple[Path, ...], options: Options) -> Request:
         options.first_seed,
         options.seeds_per_job,
         options.records or RECORDS,
+        dict(_said(options)),
     )
 
 
@@ -140,7 +151,15 @@ def of_file(path: Path, text: str, options: Options = Options()) -> Request:
         _either(options.first_seed, sweep.first_seed),
         _either(options.seeds_per_job, sweep.seeds_per_job),
         options.records or records,
+        {**dict(_said(sweep, document.span)), **dict(_said(options))},
     )
+
+
+def _said(
+    about: Sweep | Options, place: Callable[[str], Span | None] = lambda name: None
+) -> Iterator[tuple[str, Span | None]]:
+    """What is said of seeds, and where."""
+    return ((name, place(name)) for name in OWN if getattr(about, name) is not None)
 
 
 def _either(first: int | None, second: int | None) -> int | None:

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from tiloilc.cli.console import Quiet, fail, guests, say
-from tiloilc.cli.tasks import demonstrations_in
+from tiloilc.cli.tasks import demonstrations_file, demonstrations_in
 
 
 def command(
@@ -34,7 +34,7 @@ def command(
             path = Path(target)
             if path.exists():
                 raise fail(f"`{target}` is there already")
-            path.parent.mkdir(parents=True, exist_ok=True)
+            demonstrations_file(path).parent.mkdir(parents=True, exist_ok=True)
             save(path, demos)
         else:
             to_minari(target, demos)

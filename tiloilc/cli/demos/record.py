@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from tiloilc.cli.console import Quiet, guests, report, say
-from tiloilc.cli.tasks import task_file
+from tiloilc.cli.tasks import demonstrations_file, task_file
 from tiloilc.diag import CompileError
 
 
@@ -48,6 +48,7 @@ def command(
     from tiloilc.driver import analyse
     from tiloilc.plan import importable
 
+    target = None if out is None else demonstrations_file(out)
     path = task_file(spec)
     with guests():
         task = analyse(path, DemoSet(()))
@@ -56,6 +57,7 @@ def command(
     assert task.spec is not None
     assert task.labels is not None
     assert task.ldba is not None
+    target = target or demonstrations_file(Path(f"{task.spec.name}.npz"))
     environment = task.spec.environment
     with importable(path.parent), guests():
         if expert is None:
@@ -84,7 +86,6 @@ def command(
         with guests():
             found = analyse(path, demos).diagnostics
         report(d for d in found if d.code.startswith("DEMO"))
-    target = out or Path(f"{task.spec.name}.npz")
     target.parent.mkdir(parents=True, exist_ok=True)
     save(target, demos)
     steps = sum(demo.steps for demo in demos.episodes)

@@ -38,7 +38,8 @@ def command(
     """Walk an automaton letter by letter, or along a word or a demonstration.
 
     Prints one line a letter: the time, the letter, the state after it, its stage, whether it
-    accepts. Letters are read from the terminal, or from standard input, one a line.
+    accepts. Letters are read from the terminal, or from standard input, one a line; there `:back`
+    and the like are commands, at a terminal `back` is one too.
     """
     if word is not None and demo is not None:
         raise fail("give --word or --demo, not both")

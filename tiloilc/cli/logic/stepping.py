@@ -24,7 +24,8 @@ choice, `a > 1` goes to state 1.
   back [N]  takes the last letter back, or the last N     reset  begins anew
   where     shows the state again                         word   shows the letters so far
   help      shows this                                    quit   ends, as Ctrl-D does
-If a proposition has the name of a command, write `:back` for the command.
+If a proposition has the name of a command, write `:back` for the command. What comes from a file
+or another program has commands with the colon only.
 """
 
 COMMANDS = ("back", "reset", "where", "word", "help", "quit")
@@ -149,12 +150,19 @@ class Session:
 
     def obey(self, line: str) -> bool:
         """Do what a line says. Whether to go on."""
-        name, _, rest = line.removeprefix(":").partition(" ")
-        name = ALIASES.get(name, name)
-        if name in COMMANDS and (line.startswith(":") or name not in self.known.ldba.propositions):
+        first, _, rest = line.partition(" ")
+        if name := self._meant(first):
             return self._command(name, rest.strip())
         self._letters(line)
         return True
+
+    def _meant(self, word: str) -> str:
+        """The command that a line's first word is; empty if the line is of letters."""
+        name = word.removeprefix(":")
+        if name == word and (not self.talks or word in self.known.ldba.propositions):
+            return ""
+        name = ALIASES.get(name, name) if self.talks else name
+        return name if name in COMMANDS else ""
 
     def _command(self, name: str, rest: str) -> bool:
         if name == "quit":

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, fail, report, say
+from tiloilc.cli.console import Quiet, checked_suffix, fail, report, say
 from tiloilc.cli.logic.formulas import Propositions
 from tiloilc.cli.logic.subjects import Subject, subject_of
 from tiloilc.cli.tasks import prepare_drawing
@@ -84,9 +84,9 @@ def _environments(sources: Sequence[str], demo: int, out: Path | None, quiet: bo
     from tiloilc.driver import write_file
     from tiloilc.report.pictures import png_of, svg_of
 
-    kind = ".svg" if out is None else out.suffix.lower()
-    if kind not in (".svg", ".png"):
-        raise fail(f"an environment is drawn as x.svg or x.png, not `{out}`")
+    kind = ".svg"
+    if out is not None:
+        kind = checked_suffix(out, "an environment is drawn as", ".svg", ".png")
     prepare_drawing()
     canvas = environment_drawn(sources, demo)
     if out is None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +9,7 @@ from numpy.typing import NDArray
 
 from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate.verify.chain import MAX_PAIRS
+from tiloilc.foreign import blamed
 from tiloilc.plan import Plan
 from tiloilc.product import single
 
@@ -80,7 +79,8 @@ def _compare(env: gymnasium.Env[Any, Any], model: MarkovModel, name: str) -> Non
     shown = model.seen
     actions = np.asarray(model.actions)
     for episode in range(TRIED[0]):
-        observation, over = _asked(name, partial(env.reset, seed=episode))[0], False
+        with blamed(name, "reset() fails", __file__):
+            observation, over = env.reset(seed=episode)[0], False
         here = np.flatnonzero((model.initial > 0) & _like(shown, observation))
         for step in range(TRIED[1] + 1):
             when = f"step {step} of an episode" if step else "the start of an episode"
@@ -92,7 +92,8 @@ def _compare(env: gymnasium.Env[Any, Any], model: MarkovModel, name: str) -> Non
                     raise _wrong(name, f"{when} ends it, and there the model goes on")
                 break
             column = int(rng.integers(len(actions)))
-            observation, _, over, _, _ = _asked(name, partial(env.step, actions[column]))
+            with blamed(name, "step() fails", __file__):
+                observation, _, over, _, _ = env.step(actions[column])
             after = model.successor[here, column][model.probability[here, column] > 0]
             here = np.unique(after[_like(shown[after], observation)])
 
@@ -119,14 +120,6 @@ def _fault(model: MarkovModel) -> str:
         if (chances < 0).any() or not (abs(sums - 1) <= ROUNDING).all():  # nan is no chance
             return f"`{named}` has probabilities that do not sum to 1"
     return ""
-
-
-def _asked(name: str, do: Callable[[], tuple[Any, ...]]) -> tuple[Any, ...]:
-    try:
-        return do()
-    except Exception as error:  # an environment is anyone's code
-        problem = f"{type(error).__name__}: {error}"
-        raise CompileError(Diagnostic.of("RUN707", id=name, problem=problem)) from error
 
 
 def _wrong(name: str, problem: str) -> CompileError:
