@@ -440,14 +440,27 @@ def test_a_new_task_can_be_in_an_environment_that_exists(
     assert Path("wrapped/ours.py").is_file() == env.startswith("ours")
 
 
-def test_a_new_task_in_an_environment_that_is_not_there_is_a_finding(
+@pytest.mark.parametrize(
+    ("env", "found"),
+    [
+        ("MountainCart-v0", "error[JOB600]: cannot make `MountainCart-v0`"),
+        ("CartPole-v1", "error[JOB608]: the sac backbone cannot learn"),
+    ],
+)
+def test_a_new_task_in_an_environment_that_cannot_be_learned_in_is_a_finding(
+    env: str, found: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, _, err = run("init", "wrapped", "--env", env)
+    assert status == 1
+    assert err.startswith(found)
+    assert not Path("wrapped").exists()
+
+
+def test_init_takes_an_environment_or_a_task_file(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    status, _, err = run("init", "wrapped", "--env", "MountainCart-v0")
-    assert status == 1
-    assert err.startswith("error[JOB600]: cannot make `MountainCart-v0`")
-    assert not Path("wrapped").exists()
     assert run("init", "x", "--env", "Pendulum-v1", "--from", "flatworld_cycle")[0] == 2
 
 
