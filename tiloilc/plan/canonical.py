@@ -309,4 +309,4 @@ def _decapitalised(text: str) -> str:
 
 
 def _unreadable(problem: str, file: str) -> CompileError:
-    return CompileError(Diagnostic.of("PLAN407", Span(file, 1, 1, 1, 2), problem=problem))
+    return CompileError(Diagnostic.of("PLAN407", Span.at(file), problem=problem))

@@ -115,7 +115,7 @@ def key_place(root: Node, path: Location) -> Span:
         if entry is not None:
             return entry.key.span
     file, line, column = root.span.file, root.span.line, root.span.column
-    return Span(file, line, column, line, column + 1)
+    return Span.at(file, line, column)
 
 
 def known_keys(path: Location, model: type[Model]) -> Mapping[str, FieldInfo]:
