@@ -208,7 +208,7 @@ RULES: dict[str, Rule] = _rules(
     Rule("RUN701", E, "unreadable-run", "cannot read the run `{path}`: {problem}"),
     Rule("RUN702", E, "training-diverged", "training diverged at step {step}: {problem}"),
     Rule("RUN703", E, "run-not-written", "cannot write in `{path}`: {problem}"),
-    Rule("RUN704", E, "other-plan", "the run `{path}` was trained with another plan"),
+    Rule("RUN704", E, "other-plan", "the run `{path}` was trained with {other}"),
     Rule(
         "RUN705",
         E,
