@@ -158,7 +158,7 @@ RULES: dict[str, Rule] = _rules(
         "demonstration-shape",
         "demonstrations have {given} components, the environment's observations {expected}",
     ),
-    Rule("DEMO505", E, "no-actions", "the demonstrations carry no actions"),
+    Rule("DEMO505", E, "no-actions", "{carrier} no actions"),
     Rule("DEMO506", E, "no-expert", "there is no scripted expert for `{environment}`"),
     Rule(
         "DEMO507",
