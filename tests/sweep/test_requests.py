@@ -102,6 +102,10 @@ def test_options_take_the_place_of_what_the_file_says(tmp_path: Path) -> None:
         ("specs: [corridor.yaml]\noverrides: [{backbone: sac}]\n", "JOB608", "sac", "cannot learn"),
         ("specs: [corridor.yaml]\nspecs: [x.yaml]\n", "SPEC107", "specs", "duplicate"),
         ("seeds_per_job: 3\n", "SPEC102", "s", "specs"),
+        ("specs: [corridor.yaml]\nrecords: 'x/{nam}.jsonl'\n", "SPEC103", "'x/{nam}.jsonl'",
+         "`records` may have {name} and {algorithm}, and nothing else in braces"),
+        ("specs: [corridor.yaml]\nrecords: 'y/{name}.txt'\n", "SPEC103", "'y/{name}.txt'",
+         "`records` must end in .jsonl or .jsonl.gz where it has {name} or {algorithm}"),
     ],
 )  # fmt: skip
 def test_a_mistake_is_told_with_its_place_and_what_was_meant(
