@@ -211,6 +211,16 @@ def test_explain_speaks_of_formulas(run: Run) -> None:
     assert "LTL201" in err
 
 
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [("a,a", "`a` is given twice"), ("b,,a", "a name is empty"), ("a, ", "a name is empty")],
+)
+def test_declared_propositions_have_names_of_their_own(names: str, said: str, run: Run) -> None:
+    status, out, err = run("translate", "F a", "--propositions", names)
+    assert (status, out) == (2, "")
+    assert err == f"error: --propositions {names}: {said}\n"
+
+
 @pytest.mark.parametrize("verb", ["explain", "viz", "step"])
 def test_what_looks_like_a_path_is_a_missing_file_and_no_formula(run: Run, verb: str) -> None:
     assert run(verb, "build/nothing")[::2] == (2, "error: there is no file `build/nothing`\n")
