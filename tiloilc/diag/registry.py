@@ -174,6 +174,7 @@ RULES: dict[str, Rule] = _rules(
     ),
     Rule("DEMO509", E, "unusable-expert", "cannot use the expert `{reference}`: {problem}"),
     Rule("DEMO510", E, "dataset-not-written", "cannot write the dataset `{name}`: {problem}"),
+    Rule("DEMO511", E, "too-few-demonstrations", "`{path}` has {given}, not {wanted}"),
     # Environment and settings
     Rule("JOB600", E, "environment", "cannot make `{environment}`: {problem}"),
     Rule("JOB601", W, "irreproducible-reset", "`{environment}` does not reset reproducibly"),
