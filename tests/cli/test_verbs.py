@@ -476,6 +476,7 @@ def test_init_takes_an_environment_or_a_task_file(
 
 def test_init_refuses_names_that_are_none(run: Run, tmp_path: Path) -> None:
     assert run("init", tmp_path / "a b")[0] == 2
+    assert "at most 100 letters" in run("init", tmp_path / ("x" * 101))[2]
     assert run("init", tmp_path / "x", "--from", "no_such_task")[0] == 2
 
 

@@ -119,6 +119,7 @@ WRONG = [
     ("id: some:Env-v0", "id: [a]", "SPEC103", "[a]", "must be text, not a list"),
     ("id: some:Env-v0", 'id: ""', "SPEC103", "id", "must not be empty"),
     ("name: demo", "name: a/b", "SPEC103", "a/b", "must be a name of letters"),
+    ("name: demo", f"name: {'x' * 101}", "SPEC103", "x" * 101, "text of at most 100 characters"),
     ("pos: [0, 2]", "pos: [2, 0]", "SPEC103", "[2, 0]", "must be an index like 4"),
     ("pos: [0, 2]", "pos: [0]", "SPEC103", "[0]", "must be an index like 4"),
     ("pos: [0, 2]", "pos: -1", "SPEC103", "-1", "must be an index like 4"),

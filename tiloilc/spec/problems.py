@@ -265,6 +265,8 @@ def _wanted(detail: ErrorDetails) -> str:
         return f"{phrase} {int(limit) if limit == int(limit) else limit:,}"
     if kind == "too_long":
         return f"at most {about['max_length']} items"
+    if kind == "string_too_long":
+        return f"text of at most {about['max_length']} characters"
     if kind in ("literal_error", "enum"):
         words = [f"`{word}`" for word in _choices([detail])]
         return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
