@@ -70,6 +70,9 @@ def test_records_from_elsewhere_are_taken_over_and_count(workdir: Path, run: Run
     [
         ([], "name task files"),
         (["corridor.yaml", "--set", "bta=1"], "no setting `bta`"),
+        (["corridor.yaml", "--records", "x/{nam}.jsonl.gz"], "--records may have {name} and"),
+        (["corridor.yaml", "--records", "x/{name"], "--records may have {name} and"),
+        (["corridor.yaml", "--records", "y/{name}.txt"], "--records must end in .jsonl or"),
         (["corridor.yaml", "--set", "seeds=1"], "--seeds"),
         (
             ["corridor.yaml", "--set", "demonstrations.cont=1"],

@@ -253,11 +253,32 @@ def test_resuming_goes_on_with_the_newest_run_of_the_same_plan(build: Path, run:
     assert "to go on with" in err
 
 
-def test_resuming_a_run_with_other_settings_is_a_finding(build: Path, run: Run) -> None:
+def test_resuming_a_run_with_other_settings_is_a_finding_that_names_them(
+    build: Path, run: Run
+) -> None:
+    run("train", build, "-q", "--steps", 1200)
+    options = ("--steps", 77, "--set", "optimistic=false")
+    status, _, err = run("train", "runs/round/0001", "--resume", *options)
+    assert status == 1
+    told = "other settings: steps 1,200, not 77; optimistic auto, not false"
+    assert f"error[RUN704]: the run `runs/round/0001` was trained with {told}\n" in err
+    assert "help: without these options it goes on" in err
+    status, _, err = run("train", "runs/round/0001", "--resume", *options, "--set", "gamma=0.5",
+                         "--seeds", 1)  # fmt: skip
+    assert "; …\n" in err
+    assert run("train", "runs/round/0001", "--resume", "-q")[0] == 0
+
+
+def test_resuming_a_run_whose_checkpoint_is_of_another_plan_is_a_finding(
+    build: Path, run: Run
+) -> None:
     run("train", build, "-q")
-    status, _, err = run("train", "runs/round/0001", "--resume", "--steps", 77)
+    plan = Path("runs/round/0001/plan.json")
+    plan.write_text(plan.read_text().replace('"gamma": 0.', '"gamma": 0.4'))
+    status, _, err = run("train", "runs/round/0001", "--resume")
     assert status == 1
     assert "RUN704" in err
+    assert "another plan" in err
 
 
 def test_the_same_command_twice_gives_the_same_events(build: Path, run: Run) -> None:

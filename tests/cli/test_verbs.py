@@ -211,6 +211,16 @@ def test_explain_speaks_of_formulas(run: Run) -> None:
     assert "LTL201" in err
 
 
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [("a,a", "`a` is given twice"), ("b,,a", "a name is empty"), ("a, ", "a name is empty")],
+)
+def test_declared_propositions_have_names_of_their_own(names: str, said: str, run: Run) -> None:
+    status, out, err = run("translate", "F a", "--propositions", names)
+    assert (status, out) == (2, "")
+    assert err == f"error: --propositions {names}: {said}\n"
+
+
 @pytest.mark.parametrize("verb", ["explain", "viz", "step"])
 def test_what_looks_like_a_path_is_a_missing_file_and_no_formula(run: Run, verb: str) -> None:
     assert run(verb, "build/nothing")[::2] == (2, "error: there is no file `build/nothing`\n")
@@ -440,19 +450,33 @@ def test_a_new_task_can_be_in_an_environment_that_exists(
     assert Path("wrapped/ours.py").is_file() == env.startswith("ours")
 
 
-def test_a_new_task_in_an_environment_that_is_not_there_is_a_finding(
+@pytest.mark.parametrize(
+    ("env", "found"),
+    [
+        ("MountainCart-v0", "error[JOB600]: cannot make `MountainCart-v0`"),
+        ("CartPole-v1", "error[JOB608]: the sac backbone cannot learn"),
+    ],
+)
+def test_a_new_task_in_an_environment_that_cannot_be_learned_in_is_a_finding(
+    env: str, found: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, _, err = run("init", "wrapped", "--env", env)
+    assert status == 1
+    assert err.startswith(found)
+    assert not Path("wrapped").exists()
+
+
+def test_init_takes_an_environment_or_a_task_file(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    status, _, err = run("init", "wrapped", "--env", "MountainCart-v0")
-    assert status == 1
-    assert err.startswith("error[JOB600]: cannot make `MountainCart-v0`")
-    assert not Path("wrapped").exists()
     assert run("init", "x", "--env", "Pendulum-v1", "--from", "flatworld_cycle")[0] == 2
 
 
 def test_init_refuses_names_that_are_none(run: Run, tmp_path: Path) -> None:
     assert run("init", tmp_path / "a b")[0] == 2
+    assert "at most 100 letters" in run("init", tmp_path / ("x" * 101))[2]
     assert run("init", tmp_path / "x", "--from", "no_such_task")[0] == 2
 
 

@@ -147,6 +147,26 @@ def test_arrays_that_do_not_fit_are_a_finding(
     assert says in problem(Path("d.npz"))
 
 
+@pytest.mark.parametrize(
+    ("names", "found"),
+    [
+        (["states", "actions"], "it has `states`, `actions`: call"),
+        (["observations_1"], "it has `observations_1`: call"),
+        (list("abcdef"), "it has `a`, `b`, `c`, `d`, …: call"),
+        ([], "it has no arrays: call"),
+    ],
+)
+def test_arrays_of_other_names_are_told_how_they_are_called(
+    workdir: Path, names: list[str], found: str
+) -> None:
+    np.savez("d.npz", **{name: np.zeros((3, 2)) for name in names})
+    with pytest.raises(CompileError) as raised:
+        load("d.npz")
+    help = raised.value.diagnostics[0].help
+    assert help.startswith(found)
+    assert "`observations_0`, `observations_1`, … (and `actions_0`, …)" in help
+
+
 def test_pickled_arrays_are_refused(workdir: Path) -> None:
     np.savez("d.npz", observations_0=np.array([[{"a": 1}]], dtype=object))
     assert "does not hold numbers" in problem(Path("d.npz"))

@@ -24,6 +24,8 @@ from tests.demos.examples import (
 )
 from tiloilc.automaton.ldba import Cube, Edge, Ldba
 from tiloilc.demos import (
+    Demo,
+    DemoSet,
     bundled,
     demonstrations_for,
     expert_names,
@@ -270,7 +272,34 @@ def test_recorded_actions_that_are_not_there_are_a_finding(workdir: Path) -> Non
     wanted = Demonstrations(file="d.npz", actions="recorded")
     with pytest.raises(CompileError) as raised:
         demonstrations_for(wanted, FLATWORLD, FLAT, CYCLE, name="x", folder=workdir)
-    assert [d.code for d in raised.value.diagnostics] == ["DEMO505"]
+    (found,) = raised.value.diagnostics
+    assert (found.code, found.message) == ("DEMO505", "the demonstrations carry no actions")
+
+
+def test_fewer_demonstrations_than_are_asked_for_are_a_finding(workdir: Path) -> None:
+    ours = bundled("flatworld_cycle")
+    assert ours is not None
+    save(workdir / "d.npz", ours.take(3))
+
+    def taken(wanted: Demonstrations) -> DemoSet:
+        return demonstrations_for(wanted, FLATWORLD, FLAT, CYCLE, name="x", folder=workdir)
+
+    with pytest.raises(CompileError, match=r"DEMO511.*`d\.npz` has 3 demonstrations, not 4"):
+        taken(Demonstrations(file="d.npz", count=4))
+    assert len(taken(Demonstrations(file="d.npz", count=3))) == 3
+    assert len(taken(Demonstrations(file="d.npz"))) == 3, "five is not what was asked for"
+
+
+def test_a_demonstration_without_actions_among_others_is_named(workdir: Path) -> None:
+    ours = bundled("flatworld_cycle")
+    assert ours is not None
+    first, second, *others = ours.episodes
+    save(workdir / "d.npz", DemoSet((first, Demo(second.observations), *others)))
+    wanted = Demonstrations(file="d.npz", actions="recorded")
+    with pytest.raises(CompileError) as raised:
+        demonstrations_for(wanted, FLATWORLD, FLAT, CYCLE, name="x", folder=workdir)
+    (found,) = raised.value.diagnostics
+    assert (found.code, found.message) == ("DEMO505", "demonstration 1 carries no actions")
 
 
 def test_a_task_file_without_demonstrations_has_none(workdir: Path) -> None:

@@ -140,6 +140,32 @@ def test_a_dictionary_that_does_not_fill_an_observation_is_not_guessed_at(
         policy.act(observation)
 
 
+@pytest.mark.parametrize(
+    ("observation", "said"),
+    [
+        (0.5, "of 1 number, the policy reads 2"),
+        (None, "of 1 number, the policy reads 2"),
+        ([], "of 0 numbers, the policy reads 2"),
+        (np.zeros((2, 2)), "of 4 numbers, the policy reads 2"),
+        ([np.nan, 0], "entries that are not finite"),
+        ([0, np.inf], "entries that are not finite"),
+    ],
+)
+def test_what_is_no_observation_of_the_task_is_refused(
+    run: Path, observation: object, said: str
+) -> None:
+    policy = tiloilc.load_policy(run)
+    before = policy.state
+    with pytest.raises(ValueError, match=f"an observation.*{said}"):
+        policy.act(observation)
+    assert policy.state == before
+
+
+def test_a_policy_is_shown_without_its_weights(run: Path) -> None:
+    policy = tiloilc.load_policy(run, seed=5)
+    assert repr(policy) == f"Policy(seed=5, state={policy.state}, visits=0)"
+
+
 @pytest.mark.parametrize("name", ["best", "last"])
 def test_a_loaded_policy_does_what_the_trained_agent_did(run: Path, name: str) -> None:
     expected = rollout(run, name)

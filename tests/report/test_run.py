@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.report.runs import write_run
-from tiloilc.diag import CompileError
+from tiloilc.diag import CompileError, Span
 from tiloilc.report import read_run
 
 
@@ -109,6 +109,15 @@ def test_a_damaged_file_is_an_error_that_names_it(
     with pytest.raises(CompileError, match=problem) as caught:
         read_run(folder)
     assert caught.value.diagnostics[0].code in ("RUN701", "PLAN407")
+
+
+def test_a_damaged_plan_is_found_in_the_run_that_it_is_of(tmp_path: Path) -> None:
+    folder = write_run(tmp_path / "a1", seeds=1)
+    plan = folder / "plan.json"
+    plan.write_text('{"name": "x",\n "formula" "F a"}\n')
+    with pytest.raises(CompileError, match="PLAN407") as caught:
+        read_run(folder)
+    assert caught.value.diagnostics[0].span == Span.at(plan.as_posix(), 2, 12)
 
 
 def test_trajectories_of_other_shapes_or_with_pickles_are_refused(tmp_path: Path) -> None:

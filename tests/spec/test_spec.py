@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 from ruamel.yaml import YAML
 
-from tiloilc.diag import CompileError, Diagnostic, render
+from tiloilc.diag import CompileError, Diagnostic, Span, render
 from tiloilc.spec import PythonPredicate, Spec, examine_text, json_schema, read_spec
 from tiloilc.spec.presets import PAPER
 from tiloilc.spec.settings import Settings
@@ -119,6 +119,7 @@ WRONG = [
     ("id: some:Env-v0", "id: [a]", "SPEC103", "[a]", "must be text, not a list"),
     ("id: some:Env-v0", 'id: ""', "SPEC103", "id", "must not be empty"),
     ("name: demo", "name: a/b", "SPEC103", "a/b", "must be a name of letters"),
+    ("name: demo", f"name: {'x' * 101}", "SPEC103", "x" * 101, "text of at most 100 characters"),
     ("pos: [0, 2]", "pos: [2, 0]", "SPEC103", "[2, 0]", "must be an index like 4"),
     ("pos: [0, 2]", "pos: [0]", "SPEC103", "[0]", "must be an index like 4"),
     ("pos: [0, 2]", "pos: -1", "SPEC103", "-1", "must be an index like 4"),
@@ -247,14 +248,22 @@ def test_what_is_no_mapping_is_no_task_file(yaml: str, kind: str) -> None:
         examine_text(yaml, "f.yaml")
 
 
-def test_a_file_that_cannot_be_read_says_why(workdir: Path) -> None:
-    with pytest.raises(CompileError, match=r"SPEC105.*there is no such file"):
-        read_spec("nope.yaml")
-    with pytest.raises(CompileError, match=r"SPEC105.*it is a folder"):
-        read_spec(workdir)
-    (workdir / "latin.yaml").write_bytes(b"name: caf\xe9\n")
-    with pytest.raises(CompileError, match=r"SPEC105.*not UTF-8 text"):
-        read_spec("latin.yaml")
+@pytest.mark.parametrize(
+    ("file", "says", "place"),
+    [
+        ("nope.yaml", "there is no such file", (1, 1)),
+        ("folder", "it is a folder", (1, 1)),
+        ("latin.yaml", "not UTF-8 text", (2, 10)),
+    ],
+)
+def test_a_file_that_cannot_be_read_says_why_and_is_where_the_finding_is(
+    workdir: Path, file: str, says: str, place: tuple[int, int]
+) -> None:
+    Path("folder").mkdir()
+    Path("latin.yaml").write_bytes(b"# here\nname: caf\xe9\n")
+    with pytest.raises(CompileError, match=f"SPEC105.*{says}") as raised:
+        read_spec(file)
+    assert raised.value.diagnostics[0].span == Span.at(file, *place)
 
 
 def test_read_spec_gives_places_and_raises_with_every_finding(workdir: Path) -> None:

@@ -112,6 +112,14 @@ def test_where_they_come_from_replaces_what_it_excludes(tmp_path: Path) -> None:
     assert (shown(one).file, shown(one).source, shown(one).count) == (None, "expert", 2)
 
 
+def test_a_file_of_fewer_is_laid_over_a_task_that_says_no_number(tmp_path: Path) -> None:
+    file = some_file(tmp_path)
+    text = "specs: [corridor.yaml]\noverrides: [{demonstrations.file: mine.npz}]\n"
+    task(tmp_path, demonstrations="demonstrations: {source: expert}")
+    (one,) = experiments(written(tmp_path, text))
+    assert (shown(one).file, len(one.task.demos)) == (file.name, 2)
+
+
 def test_what_cuts_demonstrations_can_be_set_to_nothing(tmp_path: Path) -> None:
     path = task(tmp_path, demonstrations="demonstrations: {source: expert, max_steps: 2}")
     (one,) = experiments(path, settings={"demonstrations.max_steps": None})
@@ -139,6 +147,8 @@ def test_what_cuts_demonstrations_can_be_set_to_nothing(tmp_path: Path) -> None:
         ("grid: {demonstrations.minari: [no/such-v0]}", "DEMO500", "no/such-v0", "no/such-v0"),
         ("overrides: [{demonstrations.actions: recorded, demonstrations.file: bare.npz}]",
          "DEMO505", "bare.npz", "actions"),
+        ("overrides: [{demonstrations.count: 9, demonstrations.file: bare.npz}]",
+         "DEMO511", "bare.npz", "not 9"),
         ("overrides: [{algorithm: gail, demonstrations.count: 0}]", "JOB604", "gail",
          "needs demonstrations"),
         ("overrides: [{demonstrations.file: a, demonstrations.minari: b}]", "SPEC108",

@@ -91,7 +91,8 @@ def test_options_take_the_place_of_what_the_file_says(tmp_path: Path) -> None:
         ("specs: [none.yaml]\n", "SPEC103", "none.yaml", "names no file"),
         ("specs: [corridor.yaml]\nseeds: 0\n", "SPEC103", "0", "greater than 0"),
         ("specs: [corridor.yaml]\noverrides: [{bta: 1}]\n", "SPEC101", "bta", "`beta`"),
-        ("specs: [corridor.yaml]\noverrides: [{seeds: 1}]\n", "SPEC101", "seeds", "overrides"),
+        ("specs: [corridor.yaml]\noverrides: [{seeds: 1}]\n", "SPEC101", "seeds",
+         "`seeds` is a key of the sweep file itself"),
         ("specs: [corridor.yaml]\noverrides: [{gamma: 2}]\n", "SPEC103", "2", "gamma"),
         ("specs: [corridor.yaml]\ngrid: {beta: [0, -1]}\n", "SPEC103", "-1", "grid.beta[1]"),
         ("specs: [corridor.yaml]\ngrid: {beta: 1}\n", "SPEC103", "1", "a list"),
@@ -101,6 +102,10 @@ def test_options_take_the_place_of_what_the_file_says(tmp_path: Path) -> None:
         ("specs: [corridor.yaml]\noverrides: [{backbone: sac}]\n", "JOB608", "sac", "cannot learn"),
         ("specs: [corridor.yaml]\nspecs: [x.yaml]\n", "SPEC107", "specs", "duplicate"),
         ("seeds_per_job: 3\n", "SPEC102", "s", "specs"),
+        ("specs: [corridor.yaml]\nrecords: 'x/{nam}.jsonl'\n", "SPEC103", "'x/{nam}.jsonl'",
+         "`records` may have {name} and {algorithm}, and nothing else in braces"),
+        ("specs: [corridor.yaml]\nrecords: 'y/{name}.txt'\n", "SPEC103", "'y/{name}.txt'",
+         "`records` must end in .jsonl or .jsonl.gz where it has {name} or {algorithm}"),
     ],
 )  # fmt: skip
 def test_a_mistake_is_told_with_its_place_and_what_was_meant(

@@ -19,11 +19,16 @@ if TYPE_CHECKING:
     from tiloilc.demos import DemoSet
     from tiloilc.label import Labeller
     from tiloilc.plan import Plan
+    from tiloilc.spec import Settings
 
 RUNS = Path("runs")
 TIMING, EVENTS = "timing.json", "events.jsonl"
 COPIED = ("demos.npz", "demos.json", "automaton.svg", "automaton.hoa")
 """What a run takes along from the build folder, so that it stands on its own."""
+
+
+CHANGES_SHOWN = 3
+"""Settings that are named where a run was trained with others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,12 +94,19 @@ def new_run(job: Job, runs: Path) -> Path:
 
 
 def run_to_resume(folder: Path, job: Job, runs: Path) -> Path:
-    """The run that `--resume` means: the folder itself if it is one, else this plan's newest."""
-    from tiloilc.diag import CompileError
+    """The run that `--resume` means: the folder itself if it is one, else this plan's newest.
+
+    Raises CompileError RUN704 if the folder is a run of other settings.
+    """
+    from tiloilc.diag import CompileError, Diagnostic
     from tiloilc.driver import read_plan
     from tiloilc.plan import digest
 
     if (folder / EVENTS).is_file():
+        if other := _changes(read_plan(folder).train, job.plan.train):
+            help, other = "without these options it goes on", f"other settings: {other}"
+            path = folder.as_posix()
+            raise CompileError(Diagnostic.of("RUN704", help=help, path=path, other=other))
         return folder
     parent = runs / job.plan.name
     wanted = digest(job.plan)
@@ -106,6 +118,17 @@ def run_to_resume(folder: Path, job: Job, runs: Path) -> Path:
         except CompileError:  # damaged, or of another version: it cannot be meant
             continue
     raise fail(f"no run of this plan in `{parent.as_posix()}` to go on with")
+
+
+def _changes(before: Settings, now: Settings) -> str:
+    """What is not as it was, in words: the first few settings."""
+    was, given = before.model_dump(), now.model_dump()
+    words = [f"{k} {_told(was[k])}, not {_told(v)}" for k, v in given.items() if v != was[k]]
+    return "; ".join(words[:CHANGES_SHOWN]) + ("; …" if len(words) > CHANGES_SHOWN else "")
+
+
+def _told(value: object) -> str:
+    return f"{value:,}" if type(value) is int else json.dumps(value).strip('"')
 
 
 def train_job(job: Job, run: Path, resume: bool, quiet: bool) -> float:

@@ -171,9 +171,13 @@ def _options(
     seeds_per_job: int | None,
     records: str | None,
 ) -> Options:
-    """The options as they hold for every spec. Raises Exit 2 for a setting that cannot be."""
-    from tiloilc.sweep import Options
+    """The options as they hold for every spec. Raises Exit 2 for one that cannot be."""
+    from tiloilc.sweep import Options, record_pattern
 
+    try:
+        record_pattern(records or "")
+    except ValueError as error:
+        raise fail(f"--records {error}") from None
     settings = settings_given(changes or [], steps, None)
     for name, option in (("seeds", "--seeds"), ("first_seed", "--first-seed")):
         if name in settings:

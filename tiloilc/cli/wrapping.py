@@ -25,7 +25,7 @@ HORIZON = 200
 def wrapped(name: str, env_id: str) -> dict[str, bytes]:
     """The files of a task in the Gymnasium environment `env_id`, by name.
 
-    Raises CompileError JOB600, JOB602 or JOB603 if it cannot be used.
+    Raises CompileError JOB600, JOB602, JOB603 or JOB608 if it cannot be used.
     """
     from tiloilc.driver.environment import source_of
     from tiloilc.plan import importable
@@ -57,12 +57,15 @@ def _asked(env_id: str) -> tuple[Asked, int]:
     """What the environment says of itself, and how long its episodes are."""
     import gymnasium
 
+    from tiloilc.driver import backbone_findings
     from tiloilc.driver.environment import ask
-    from tiloilc.spec import Environment, examine_text
+    from tiloilc.spec import Environment, Settings, examine_text
 
     document, _, _ = examine_text("name: new\n", "new.yaml")
     try:
         asked = ask(Environment(id=env_id, horizon=1), document)
+        if wrong := list(backbone_findings(Settings.model_validate({"steps": 1}), asked)):
+            raise CompileError(*wrong)
     except CompileError as error:  # there is no file yet that findings could point into
         raise CompileError(
             *(dataclasses.replace(found, span=None) for found in error.diagnostics)

@@ -11,6 +11,7 @@ import json
 import os
 import zipfile
 import zlib
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import IO, Any
@@ -30,8 +31,16 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 """The earliest time a zip archive can name; it stands for no time at all."""
 
 
+NAMES_SHOWN = 4
+"""Of more arrays than these, a help line names the first."""
+
+
 class Damaged(Exception):
-    """What is wrong with stored demonstrations, in words."""
+    """What is wrong with stored demonstrations, in words, and what to do about it."""
+
+    def __init__(self, problem: str, help: str = "") -> None:
+        super().__init__(problem)
+        self.help = help
 
 
 def save(path: Path | str, demos: DemoSet) -> None:
@@ -80,8 +89,9 @@ def load(path: Path | str, span: Span | None = None) -> DemoSet:
     except (Damaged, OSError) as damage:
         problem = damage.strerror if isinstance(damage, OSError) else str(damage)
         problem = problem or type(damage).__name__
+        help = damage.help if isinstance(damage, Damaged) else ""
         raise CompileError(
-            Diagnostic.of("DEMO500", span, path=path.as_posix(), problem=problem)
+            Diagnostic.of("DEMO500", span, path=path.as_posix(), problem=problem, help=help)
         ) from None
     return DemoSet(episodes, meta)
 
@@ -150,9 +160,9 @@ def _array(stream: IO[bytes], name: str, size: int) -> npt.NDArray[np.generic]:
 def _episodes(arrays: dict[str, npt.NDArray[np.generic]]) -> tuple[Demo, ...]:
     if "observations" in arrays:
         arrays = _split(arrays)
+    if "observations_0" not in arrays:
+        raise Damaged("it has no `observations_0`", _naming(list(arrays)))
     count = sum(name.startswith("observations_") for name in arrays)
-    if count == 0:
-        raise Damaged("it has no `observations_0`")
     episodes = []
     for i in range(count):
         if f"observations_{i}" not in arrays:
@@ -166,6 +176,14 @@ def _episodes(arrays: dict[str, npt.NDArray[np.generic]]) -> tuple[Demo, ...]:
     if len(sizes) > 1:
         raise Damaged(f"its episodes have different numbers of components: {sizes}")
     return tuple(episodes)
+
+
+def _naming(names: Sequence[str]) -> str:
+    """How arrays are called, where these `names` were found."""
+    more = ", …" if len(names) > NAMES_SHOWN else ""
+    found = ", ".join(f"`{name}`" for name in names[:NAMES_SHOWN]) + more
+    wanted = "`observations_0`, `observations_1`, … (and `actions_0`, …)"
+    return f"it has {found or 'no arrays'}: call them {wanted}, one for each episode"
 
 
 def _split(arrays: dict[str, npt.NDArray[np.generic]]) -> dict[str, npt.NDArray[np.generic]]:

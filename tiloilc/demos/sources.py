@@ -28,7 +28,8 @@ def demonstrations_for(
 
     `file:` is relative to `folder`. `source: expert` takes the bundled demonstrations of the task
     `name` if they are of the same environment and the automaton accepts each; else it records.
-    Raises CompileError DEMO500, DEMO505 (actions are wanted, but there are none), DEMO506.
+    Raises CompileError DEMO500, DEMO505 (actions are wanted, but not all have some), DEMO506,
+    DEMO511 (there are fewer than the task file says).
     """
     if wanted.file is not None:
         demos = load(folder / wanted.file, span)
@@ -51,13 +52,24 @@ def demonstrations_for(
 def as_wanted(demos: DemoSet, wanted: Demonstrations, span: Span | None = None) -> DemoSet:
     """As many of `demos` as are wanted, of the wanted length, with actions or without.
 
-    Raises CompileError DEMO505 if actions are wanted, but there are none.
+    Raises CompileError DEMO505 if actions are wanted, but not all have some, DEMO511 if there are
+    fewer than are asked for; by default there may be.
     """
+    if len(demos) < wanted.count and "count" in wanted.model_fields_set:
+        given = "1 demonstration" if len(demos) == 1 else f"{len(demos)} demonstrations"
+        path, help = wanted.file or wanted.minari, "lower `count`, or record more"
+        raise CompileError(
+            Diagnostic.of("DEMO511", span, help=help, path=path, given=given, wanted=wanted.count)
+        )
     demos = demos.take(wanted.count)
     if wanted.max_steps is not None:
         demos = demos.cut([wanted.max_steps] * len(demos))
-    if wanted.actions == "recorded" and not demos.has_actions:
-        raise CompileError(Diagnostic.of("DEMO505", span))
+    bare = [i for i, demo in enumerate(demos.episodes) if demo.actions is None]
+    if wanted.actions == "recorded" and (bare or not demos):
+        some = len(bare) < len(demos)
+        carrier = f"demonstration {bare[0]} carries" if some else "the demonstrations carry"
+        help = "use `actions: inferred`"
+        raise CompileError(Diagnostic.of("DEMO505", span, help=help, carrier=carrier))
     return demos if wanted.actions == "recorded" else demos.without_actions()
 
 

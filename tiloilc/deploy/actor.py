@@ -38,6 +38,11 @@ class Networks:
     critics: tuple[Layers, Layers]
     layer_norm: bool
 
+    @property
+    def dimensions(self) -> int:
+        """Numbers in an observation."""
+        return int(self.middle.size)
+
     def act(self, observations: Floats, states: Int) -> NDArray[Any]:
         """Actions [n, …] in the environment's units, of s [n, d] in b [n]."""
         scaled = self._scaled_action(self._inputs(observations, states))
@@ -75,6 +80,11 @@ class Table:
     discount: Floats
     floor: Floats
     alpha: float
+
+    @property
+    def dimensions(self) -> int:
+        """Numbers in an observation."""
+        return int(self.low.size)
 
     def act(self, observations: Floats, states: Int) -> NDArray[Any]:
         """The actions of greatest value, [n]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -30,11 +30,11 @@ class Policy:
     accepting states that steps of this episode led to.
     """
 
-    plan: Plan
+    plan: Plan = field(repr=False)
     seed: int
-    actor: Actor
-    labels: Labeller
-    walk: Walk
+    actor: Actor = field(repr=False)
+    labels: Labeller = field(repr=False)
+    walk: Walk = field(repr=False)
     state: int = -1
     visits: int = 0
 
@@ -50,7 +50,7 @@ class Policy:
 
         A dictionary is taken where its values are arrays. Where one of them is a choice
         (`Discrete`) or the task file names parts of observations by itself, ValueError says what
-        to give.
+        to give. Raises ValueError also for another number of numbers, and for what is not finite.
         """
         flat = self.observe(observation)
         return self.actor.act(flat, np.array([self.state]))[0]
@@ -86,7 +86,14 @@ class Policy:
         """[1, d]; of a dictionary, each key stands where the plan's field of that name does."""
         if isinstance(observation, Mapping):
             observation = self._joined(observation)
-        return np.asarray(observation, dtype=np.float32).reshape(1, -1)
+        flat = np.asarray(observation, dtype=np.float32).reshape(1, -1)
+        given, read = flat.size, self.actor.dimensions
+        if given != read:
+            numbers = "1 number" if given == 1 else f"{given} numbers"
+            raise ValueError(f"an observation of {numbers}, the policy reads {read}")
+        if not np.isfinite(flat).all():
+            raise ValueError("an observation with entries that are not finite numbers")
+        return flat
 
     def _joined(self, observation: Mapping[str, object]) -> Floats:
         """The arrays of a dictionary, each in its place. Raises ValueError if that is not known."""

@@ -20,6 +20,11 @@ class Span:
     end_line: int
     end_column: int
 
+    @classmethod
+    def at(cls, file: str, line: int = 1, column: int = 1) -> Span:
+        """One character: of a file as a whole, its first."""
+        return cls(file, line, column, line, column + 1)
+
 
 @dataclass(frozen=True, slots=True)
 class SourceText:
@@ -50,7 +55,7 @@ class SourceText:
         last = len(self.value) if end is None else end
         line, column = self.places[min(start, len(self.value))]
         if last <= start:
-            return Span(self.file, line, column, line, column + 1)
+            return Span.at(self.file, line, column)
         end_line, end_column = self.places[last - 1]
         return Span(self.file, line, column, end_line, end_column + 1)
 

@@ -158,7 +158,7 @@ RULES: dict[str, Rule] = _rules(
         "demonstration-shape",
         "demonstrations have {given} components, the environment's observations {expected}",
     ),
-    Rule("DEMO505", E, "no-actions", "the demonstrations carry no actions"),
+    Rule("DEMO505", E, "no-actions", "{carrier} no actions"),
     Rule("DEMO506", E, "no-expert", "there is no scripted expert for `{environment}`"),
     Rule(
         "DEMO507",
@@ -174,6 +174,7 @@ RULES: dict[str, Rule] = _rules(
     ),
     Rule("DEMO509", E, "unusable-expert", "cannot use the expert `{reference}`: {problem}"),
     Rule("DEMO510", E, "dataset-not-written", "cannot write the dataset `{name}`: {problem}"),
+    Rule("DEMO511", E, "too-few-demonstrations", "`{path}` has {given}, not {wanted}"),
     # Environment and settings
     Rule("JOB600", E, "environment", "cannot make `{environment}`: {problem}"),
     Rule("JOB601", W, "irreproducible-reset", "`{environment}` does not reset reproducibly"),
@@ -208,7 +209,7 @@ RULES: dict[str, Rule] = _rules(
     Rule("RUN701", E, "unreadable-run", "cannot read the run `{path}`: {problem}"),
     Rule("RUN702", E, "training-diverged", "training diverged at step {step}: {problem}"),
     Rule("RUN703", E, "run-not-written", "cannot write in `{path}`: {problem}"),
-    Rule("RUN704", E, "other-plan", "the run `{path}` was trained with another plan"),
+    Rule("RUN704", E, "other-plan", "the run `{path}` was trained with {other}"),
     Rule(
         "RUN705",
         E,

@@ -135,8 +135,11 @@ def from_json(text: str, file: str = "plan.json") -> Plan:
     """
     try:
         data = json.loads(text, parse_constant=_no_number)
+    except json.JSONDecodeError as error:
+        place = Span.at(file, error.lineno, error.colno)
+        raise _unreadable(f"not JSON ({_decapitalised(error.msg)})", file, place) from None
     except ValueError as error:
-        raise _unreadable(f"not JSON ({_decapitalised(str(error))})", file) from None
+        raise _unreadable(f"not JSON ({error})", file) from None
     except RecursionError:
         raise _unreadable("nested too deeply", file) from None
     given = data.get("schema_version") if isinstance(data, dict) else None
@@ -308,5 +311,5 @@ def _decapitalised(text: str) -> str:
     return text[:1].lower() + text[1:]
 
 
-def _unreadable(problem: str, file: str) -> CompileError:
-    return CompileError(Diagnostic.of("PLAN407", Span(file, 1, 1, 1, 2), problem=problem))
+def _unreadable(problem: str, file: str, place: Span | None = None) -> CompileError:
+    return CompileError(Diagnostic.of("PLAN407", place or Span.at(file), problem=problem))

@@ -1,6 +1,13 @@
 """YAML text to a typed, frozen task with the place of every node."""
 
-from tiloilc.spec.model import Demonstrations, Environment, Evaluate, PythonPredicate, Spec
+from tiloilc.spec.model import (
+    MAX_NAME,
+    Demonstrations,
+    Environment,
+    Evaluate,
+    PythonPredicate,
+    Spec,
+)
 from tiloilc.spec.page import settings_page
 from tiloilc.spec.problems import refusal
 from tiloilc.spec.read import Document, SpecFile, examine_spec, examine_text, read_spec
@@ -8,6 +15,7 @@ from tiloilc.spec.schema import json_schema
 from tiloilc.spec.settings import Settings, Train
 
 __all__ = [
+    "MAX_NAME",
     "Demonstrations",
     "Document",
     "Environment",

@@ -38,7 +38,8 @@ class Laid:
 
         Raises CompileError SPEC108 where neither says where they come from.
         """
-        values = {**beside({} if own is None else dotted(own), self.values), **self.values}
+        given = {} if own is None else dotted(own, defaults=False)
+        values = {**beside(given, self.values), **self.values}
         if all(values.get(origin) is None for origin in ORIGINS):
             names = [f"`{name}`" for name in ORIGINS]
             problem = f"`demonstrations` needs one of {', '.join(names[:-1])} and {names[-1]}"
@@ -65,9 +66,9 @@ NOTHING = Laid()
 """A task as its file says."""
 
 
-def dotted(given: Demonstrations) -> dict[str, object]:
-    """A task's demonstrations as settings, without what is nothing."""
-    values = given.model_dump(mode="json", exclude_none=True)
+def dotted(given: Demonstrations, defaults: bool = True) -> dict[str, object]:
+    """A task's demonstrations as settings, without what is nothing; with what it does not say."""
+    values = given.model_dump(mode="json", exclude_none=True, exclude_unset=not defaults)
     return {PREFIX + key: value for key, value in values.items()}
 
 

@@ -9,6 +9,9 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 from tiloilc.spec.base import Model, Whole, to_number
 from tiloilc.spec.settings import Train
 
+MAX_NAME = 100
+"""Characters in the name of a task: what is made of it, with more added, must name a folder."""
+
 
 class Environment(Model):
     """Which environment, how it is made, how long an episode is."""
@@ -104,7 +107,9 @@ class Spec(Model):
     """One task: an environment, what is true in its states, a formula, and how to learn it."""
 
     name: str = Field(
-        pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", description="names the folders of the task"
+        max_length=MAX_NAME,
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$",
+        description="names the folders of the task",
     )
     description: str = Field(default="", description="the task in a sentence or two")
     environment: Environment = Field(description="where the agent acts")

@@ -70,7 +70,7 @@ class Source:
         """The stretch `text[start:end]`; an empty one covers one character."""
         line, column = self.place(start)
         if end <= start:
-            return Span(self.file, line, column, line, column + 1)
+            return Span.at(self.file, line, column)
         end_line, end_column = self.place(end - 1)
         return Span(self.file, line, column, end_line, end_column + 1)
 

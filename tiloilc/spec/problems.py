@@ -115,7 +115,7 @@ def key_place(root: Node, path: Location) -> Span:
         if entry is not None:
             return entry.key.span
     file, line, column = root.span.file, root.span.line, root.span.column
-    return Span(file, line, column, line, column + 1)
+    return Span.at(file, line, column)
 
 
 def known_keys(path: Location, model: type[Model]) -> Mapping[str, FieldInfo]:
@@ -185,18 +185,27 @@ def _missing(root: Node, path: Location, key: str, form: Form[Model]) -> Diagnos
 def _unknown(root: Node, path: Location, form: Form[Model]) -> Diagnostic:
     parent, guess = path[:-1], _meant(path, form)
     known = list(known_keys(parent, form.model))
-    listing = f"known: {', '.join(known)}" if len(known) <= MAX_LISTED else ""
+    help = f"known: {', '.join(known)}" if len(known) <= MAX_LISTED else ""
+    if _outermost(path, form):
+        help = f"`{path[-1]}` is a key of the {form.called.removeprefix('a ')} itself"
     return Diagnostic.of(
         "SPEC101",
         key_place(root, path),
         key=_dotted(path),
         label="not a key of " + (f"`{_dotted(parent)}`" if parent else form.called),
-        help=f"did you mean `{guess}`?" if guess else listing,
+        help=f"did you mean `{guess}`?" if guess else help,
     )
 
 
+def _outermost(path: Location, form: Form[Model]) -> bool:
+    """Whether a key that stands in a section is one of the whole file."""
+    return len(path) > 1 and path[-1] in form.model.model_fields
+
+
 def _meant(path: Location, form: Form[Model]) -> str | None:
-    """The known key that an unknown one resembles."""
+    """The known key that an unknown one resembles, if it is not known elsewhere."""
+    if _outermost(path, form):
+        return None
     return nearest(str(path[-1]), known_keys(path[:-1], form.model))
 
 
@@ -256,6 +265,8 @@ def _wanted(detail: ErrorDetails) -> str:
         return f"{phrase} {int(limit) if limit == int(limit) else limit:,}"
     if kind == "too_long":
         return f"at most {about['max_length']} items"
+    if kind == "string_too_long":
+        return f"text of at most {about['max_length']} characters"
     if kind in ("literal_error", "enum"):
         words = [f"`{word}`" for word in _choices([detail])]
         return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"

@@ -126,7 +126,7 @@ def read_document(text: str, file: str, form: Form[Model]) -> tuple[Document, li
     root, findings = compose(Source(text, file))
     if not isinstance(root, MappingNode):
         kind = "an empty file" if _nothing(root) else "a single value"
-        span = root.span if root is not None else Span(file, 1, 1, 1, 2)
+        span = root.span if root is not None else Span.at(file)
         kind = "a list" if isinstance(root, SequenceNode) else kind
         about = {"form": form.called, "kind": kind}
         raise CompileError(*findings, Diagnostic.of("SPEC106", span, **about))
@@ -153,10 +153,13 @@ def examine_document(
 def file_text(path: str | os.PathLike[str]) -> str:
     """The text of a YAML file. Raises CompileError SPEC105."""
     path, file = Path(path), PurePath(path).as_posix()
+    place = Span.at(file)
     try:
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         problem = f"not UTF-8 text (byte {error.start})"
+        read = error.object[: error.start].decode()
+        place = SourceText.plain(read, file).span(len(read))
     except IsADirectoryError:
         problem = "it is a folder"
     except FileNotFoundError:
@@ -164,7 +167,7 @@ def file_text(path: str | os.PathLike[str]) -> str:
     except (OSError, ValueError) as error:
         problem = getattr(error, "strerror", None) or "the path is not valid"
     help = "" if path.suffix in (".yaml", ".yml") else "a task file ends in .yaml"
-    raise CompileError(Diagnostic.of("SPEC105", path=file, problem=problem, help=help))
+    raise CompileError(Diagnostic.of("SPEC105", place, path=file, problem=problem, help=help))
 
 
 def _nothing(root: Node | None) -> bool:

@@ -4,7 +4,7 @@ from tiloilc.sweep.drive import Sweep, carry_out, collect
 from tiloilc.sweep.engine import Engine, Event, Started
 from tiloilc.sweep.experiments import Experiment, Job, check, jobs_of
 from tiloilc.sweep.local import Local
-from tiloilc.sweep.model import Changes, given, sweep_schema
+from tiloilc.sweep.model import Changes, given, record_pattern, sweep_schema
 from tiloilc.sweep.ray import Ray
 from tiloilc.sweep.recorded import Same, merge, recorded
 from tiloilc.sweep.request import RECORDS, Options, Request, requests
@@ -34,6 +34,7 @@ __all__ = [
     "given",
     "jobs_of",
     "merge",
+    "record_pattern",
     "recorded",
     "requests",
     "sweep_schema",

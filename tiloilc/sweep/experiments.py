@@ -24,6 +24,7 @@ from tiloilc.driver import (
 from tiloilc.plan import Plan, digest
 from tiloilc.spec.laid import Laid
 from tiloilc.spec.settings import Settings
+from tiloilc.sweep.model import RECORD_ENDINGS
 from tiloilc.sweep.request import Request, Variant
 
 
@@ -206,7 +207,7 @@ def _experiment(spec: Path, task: Compiled, variant: Variant, request: Request) 
 
 def record_file(pattern: str, name: str, algorithm: str) -> Path:
     """The file for records of a task and an algorithm: one a task, if the pattern is a folder."""
-    if not pattern.endswith((".jsonl.gz", ".jsonl")):
+    if not pattern.endswith(RECORD_ENDINGS):
         return Path(pattern) / f"{name}.jsonl.gz"
     return Path(pattern.replace("{name}", name).replace("{algorithm}", algorithm))
 

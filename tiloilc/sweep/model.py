@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from types import MappingProxyType, NoneType
 from typing import Annotated, Any, Union, get_args
 
-from pydantic import Field, create_model
+from pydantic import AfterValidator, Field, create_model
 from pydantic.fields import FieldInfo
 
 from tiloilc.spec.base import Model, Whole
@@ -52,6 +53,22 @@ Grid = _partial(
 Algorithm = _value(Settings.model_fields["algorithm"])
 
 
+RECORD_ENDINGS = (".jsonl.gz", ".jsonl")
+"""How a file of records ends; what ends otherwise is a folder of them."""
+
+_PLACES = re.compile(r"\{(?:name|algorithm)\}")
+
+
+def record_pattern(text: str) -> str:
+    """Where records are to be kept. Raises ValueError where braces would be taken literally."""
+    filled = _PLACES.sub("", text) if text.endswith(RECORD_ENDINGS) else text
+    if "{" not in filled and "}" not in filled:
+        return text
+    if filled == text and _PLACES.search(text):
+        raise ValueError("must end in .jsonl or .jsonl.gz where it has {name} or {algorithm}")
+    raise ValueError("may have {name} and {algorithm}, and nothing else in braces")
+
+
 class Sweep(Model):
     """Specs × algorithms × sets of settings × seeds."""
 
@@ -78,9 +95,8 @@ class Sweep(Model):
     grid: Grid | None = Field(  # type: ignore[valid-type]
         default=None, description="values of settings, every combination with every set"
     )
-    records: str | None = Field(
+    records: Annotated[str, Field(min_length=1), AfterValidator(record_pattern)] | None = Field(
         default=None,
-        min_length=1,
         description="a folder, or a pattern with {name}, {algorithm} that ends in .jsonl.gz",
     )
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tiloilc.cli.console import coloured, fail
 from tiloilc.diag import Diagnostic, SourceText, render
 
 if TYPE_CHECKING:
@@ -24,8 +25,15 @@ Propositions = Annotated[
 
 
 def split_names(names: str | None) -> tuple[str, ...] | None:
-    """`a, b` as names; None stays None."""
-    return None if names is None else tuple(name.strip() for name in names.split(",") if name)
+    """`a, b` as names; None stays None. Raises Exit 2 for a name that is empty or given twice."""
+    if names is None:
+        return None
+    split = tuple(name.strip() for name in names.split(","))
+    if "" in split:
+        raise fail(f"--propositions {names}: a name is empty")
+    if twice := [name for i, name in enumerate(split) if name in split[:i]]:
+        raise fail(f"--propositions {names}: `{twice[0]}` is given twice")
+    return split
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +76,6 @@ def show(diagnostics: tuple[Diagnostic, ...], written: Written) -> None:
     """
     import sys
     from dataclasses import replace
-
-    from tiloilc.cli.console import coloured
 
     sources = {written.file: "\n" * (written.line - 1) + written.text}
     placed = [replace(d, span=d.span or written.source.span()) for d in diagnostics]

@@ -209,7 +209,8 @@ def load_checkpoint(folder: Path, plan_digest: str) -> Checkpoint | None:
             problems.append(str(error))
         else:
             if pointer.plan_digest != plan_digest:
-                raise CompileError(Diagnostic.of("RUN704", path=folder.parent.as_posix()))
+                run, other = folder.parent.as_posix(), "another plan"
+                raise CompileError(Diagnostic.of("RUN704", path=run, other=other))
             if problems:  # the damaged one must not become `previous` with the next save
                 replace_file(folder / LAST, (folder / name).read_bytes())
             return Checkpoint(folder, pointer, problems[0] if problems else None)

@@ -195,7 +195,7 @@ def _plan(path: Path, notes: list[str]) -> Plan | None:
         notes.append("plan.json is missing: the task, its automaton and settings are unknown.")
         return None
     try:
-        return from_json(file.read_text(encoding="utf-8"))
+        return from_json(file.read_text(encoding="utf-8"), file.as_posix())
     except UnicodeDecodeError:
         raise Unfit("plan.json is damaged") from None
 
