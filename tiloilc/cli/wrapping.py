@@ -64,7 +64,7 @@ def _asked(env_id: str) -> tuple[Asked, int]:
     document, _, _ = examine_text("name: new\n", "new.yaml")
     try:
         asked = ask(Environment(id=env_id, horizon=1), document)
-        if wrong := list(backbone_findings(Settings.model_validate({"steps": 1}), asked)):
+        if wrong := list(backbone_findings(Settings.model_validate({"steps": 1}), None, asked)):
             raise CompileError(*wrong)
     except CompileError as error:  # there is no file yet that findings could point into
         raise CompileError(
