@@ -102,7 +102,7 @@ def test_the_demonstrations_in_the_tree_are_what_the_script_writes(copied: Path)
 @pytest.mark.parametrize("copied", ["own_demonstrations"], indirect=True)
 def test_a_demonstration_through_the_blue_disc_is_reported(copied: Path, tiloilc: Run) -> None:
     straight = np.linspace((-1.0, -1.0), (1.0, 1.0), 11, dtype=np.float32)
-    np.savez(copied / "routes.npz", observations_0=straight)
+    np.savez(copied / "routes.npz", **{f"observations_{i}": straight for i in range(3)})
     told = tiloilc("lint", "settle.yaml", cwd=copied, status=0)
     assert "DEMO503" in told.stdout + told.stderr
 
