@@ -70,7 +70,7 @@ def _fresh(name: str) -> dict[str, bytes]:
         "spec": f"{name}.yaml",
     }
     about["environment"] = (
-        f"`{about['module']}.py` is\nthe environment: replace it by your own, any Gymnasium one."
+        f"`{about['module']}.py` is\nthe environment: replace it by your own."
     )
     return {
         about["spec"]: _template("task.yaml.in", about),
