@@ -32,12 +32,12 @@ def recorded(path: Path, made: range, **options: object) -> None:
 
 def test_a_dry_run_lists_the_jobs_and_what_is_recorded(workdir: Path, run: Run) -> None:
     recorded(task(workdir), range(1), settings={"beta": 0.25}, seeds=2)
-    changes = ("--set", "beta=1/4", "--seeds", 2, "--algorithms", "tiloil,cloning")
+    changes = ("--set", "beta=1/4", "--seeds", 2, "--algorithms", "tiloil,gail")
     status, out, err = run("sweep", "corridor.yaml", *changes, "--dry-run")
     assert status == 0
     assert out.splitlines() == [
+        "to do    corridor  gail beta=0.25  seeds 0–1  400 steps",
         "to do    corridor  tiloil beta=0.25  seed 1  400 steps",
-        "to do    corridor  cloning beta=0.25  seeds 0–1  20 steps",
         "recorded corridor  tiloil beta=0.25  1 of 2 seeds",
     ]
     assert "1 of 4 seeds are recorded; 2 jobs to do" in err
@@ -166,7 +166,7 @@ def test_a_failed_job_does_not_stop_the_others_and_is_told_with_its_command(
 
 
 LONG = (
-    *("corridor.yaml", "--algorithms", "tiloil,cloning", "--seeds-per-job", "1"),
+    *("corridor.yaml", "--algorithms", "tiloil,gail", "--seeds-per-job", "1"),
     *("--steps", "4000", "--set", "learning_starts=2000"),
 )
 
