@@ -282,17 +282,28 @@ def test_the_first_label_of_a_demonstration_is_read() -> None:
     assert loop.product.states.tolist() == [1, 1]  # as the agent starts
 
 
+def replayed(agent: SacAgent, moves: tuple[int, int], jitter: float | None = None) -> None:
+    """Have 3,000 steps in the replay, whose action moves which of the two numbers by a tenth.
+
+    With `jitter` the second is 0.5 everywhere, but for so much noise.
+    """
+    rng, shape = np.random.default_rng(0), (2, 3000, 1)
+    before = rng.normal(size=(2, 3000, 2)).astype(np.float32)
+    action = rng.uniform(-2, 4, shape).astype(np.float32)
+    after = before + 0.1 * action * np.array(moves, np.float32)
+    if jitter is not None:
+        for states in (before, after):
+            states[..., 1] = 0.5 + jitter * rng.normal(size=shape[:2])
+    zero = np.zeros(shape[:2], np.int64)
+    agent.replay = type(agent.replay)(2, 3000, agent.layout.width)
+    agent.record(before, action, after, zero, zero, zero.astype(np.bool_), zero)
+
+
 def test_actions_are_inferred_from_states(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drift moves by a tenth of the action: the inverse model must find that out."""
     monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 600)
     _, agent = learner(until=1)
-    rng = np.random.default_rng(0)
-    n = 3000
-    before = rng.normal(size=(2, n, 2)).astype(np.float32)
-    action = rng.uniform(-2, 4, (2, n, 1)).astype(np.float32)
-    zero = np.zeros((2, n), np.int64)
-    agent.replay = type(agent.replay)(2, n, agent.layout.width)
-    agent.record(before, action, before + 0.1 * action, zero, zero, zero.astype(np.bool_), zero)
+    replayed(agent, moves=(1, 1))
     batch = agent.layout.unpack(agent.replay.rows[:, :200])
     states = batch.observation, batch.next_observation
     found = infer_actions(*states, agent.replay, agent.layout, agent.generator)
@@ -306,16 +317,7 @@ def test_what_the_agent_never_moved_says_nothing_of_demonstrated_actions(
     """A block lies still, but for its jitter, until somebody lifts it: demonstrations do."""
     monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 600)
     _, agent = learner(until=1)
-    rng = np.random.default_rng(0)
-    n = 3000
-    before = rng.normal(size=(2, n, 2)).astype(np.float32)
-    action = rng.uniform(-2, 4, (2, n, 1)).astype(np.float32)
-    after = before + 0.1 * action * np.array([1, 0], np.float32)
-    for states in (before, after):
-        states[..., 1] = 0.5 + jitter * rng.normal(size=(2, n))
-    zero = np.zeros((2, n), np.int64)
-    agent.replay = type(agent.replay)(2, n, agent.layout.width)
-    agent.record(before, action, after, zero, zero, zero.astype(np.bool_), zero)
+    replayed(agent, moves=(1, 0), jitter=jitter)
     shown, done = torch.zeros(2, 50, 2), 0.6 * torch.linspace(-1.5, 1.5, 50).sin()
     shown[..., 0], shown[..., 1] = torch.linspace(-1, 1, 50), torch.linspace(0.5, 0.6, 50)
     moved = torch.stack([0.1 * (1 + 3 * done), torch.full((50,), 0.002)], dim=-1)
@@ -364,13 +366,7 @@ def test_actions_are_inferred_again_by_what_the_agent_has_done_since(
     _, agent = learner(until=61)
     assert agent.demo_rows is not None
     before, first = agent.demo_rows.clone(), agent.layout.unpack(agent.demo_rows).action.clone()
-    rng = np.random.default_rng(0)
-    seen = rng.normal(size=(2, 3000, 2)).astype(np.float32)
-    action = rng.uniform(-2, 4, (2, 3000, 1)).astype(np.float32)
-    zero = np.zeros((2, 3000), np.int64)
-    agent.replay = type(agent.replay)(2, 3000, agent.layout.width)
-    after = seen + 0.1 * action * np.array([1, 0], np.float32)
-    agent.record(seen, action, after, zero, zero, zero.astype(np.bool_), zero)
+    replayed(agent, moves=(1, 0))
     agent.infer(cloning=False)
     batch = agent.layout.unpack(agent.demo_rows)
     moved = (batch.next_observation - batch.observation)[..., :1]
