@@ -69,9 +69,7 @@ def _fresh(name: str) -> dict[str, bytes]:
         "env_id": f"{''.join(word.capitalize() for word in re.split('[-_.]+', name))}-v0",
         "spec": f"{name}.yaml",
     }
-    about["environment"] = (
-        f"`{about['module']}.py` is\nthe environment: replace it by your own."
-    )
+    about["environment"] = f"`{about['module']}.py` is\nthe environment: replace it by your own."
     return {
         about["spec"]: _template("task.yaml.in", about),
         f"{about['module']}.py": _template("environment.py.in", about),
