@@ -55,11 +55,17 @@ def flat(space: gym.Space[Any], observation: Any) -> Floats:
     return np.asarray(observation, dtype=np.float32).reshape(-1)
 
 
-def checked(space: gym.Space[Any], observation: Any) -> Floats:
-    """One observation, flat. Raises ValueError if it cannot be learned from."""
-    row, dimensions = flat(space, observation), dimensions_of(space)
+def sized(space: gym.Space[Any], observation: Any, dimensions: int) -> Floats:
+    """One observation, flat. Raises ValueError if it has not as many numbers as `dimensions`."""
+    row = flat(space, observation)
     if row.size != dimensions:
         raise ValueError(f"an observation of {row.size} numbers, not {dimensions}")
+    return row
+
+
+def checked(space: gym.Space[Any], observation: Any, dimensions: int) -> Floats:
+    """The same. Raises ValueError if it cannot be learned from."""
+    row = sized(space, observation, dimensions)
     if not np.isfinite(row).all():
         raise ValueError("an observation that is not finite")
     return row

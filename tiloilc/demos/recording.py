@@ -12,7 +12,7 @@ import numpy as np
 from tiloilc import __version__
 from tiloilc.demos.model import Demo, DemoSet
 from tiloilc.diag import CompileError, Diagnostic, Span
-from tiloilc.foreign import blamed, checked
+from tiloilc.foreign import blamed, checked, dimensions_of
 
 if TYPE_CHECKING:
     import gymnasium
@@ -182,9 +182,10 @@ def _episode(
 
     numbered = isinstance(env.action_space, Discrete)
     space, generator = env.observation_space, np.random.default_rng(seed)
+    dimensions = dimensions_of(space)
     with blamed(environment, "reset() fails", __file__):
         observation, _ = env.reset(seed=seed)
-        observations, actions = [checked(space, observation).copy()], []
+        observations, actions = [checked(space, observation, dimensions).copy()], []
     progress = expert.begin(observation, generator)
     for _ in range(horizon):
         action, progress = expert.act(observation, progress, generator)
@@ -192,7 +193,7 @@ def _episode(
             break
         with blamed(environment, "step() fails", __file__):
             observation, _, terminated, truncated, _ = env.step(int(action) if numbered else action)
-            observations.append(checked(space, observation).copy())
+            observations.append(checked(space, observation, dimensions).copy())
         actions.append(np.asarray(action))
         if terminated or truncated:
             break

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tiloilc.diag import CompileError, Diagnostic, did_you_mean
-from tiloilc.foreign import dimensions_of, flat
+from tiloilc.foreign import dimensions_of, sized
 from tiloilc.plan import importable
 from tiloilc.spec import Document, Environment
 from tiloilc.versions import is_broken_mujoco
@@ -243,17 +243,12 @@ def _tried(env: gymnasium.Env[Any, Any], dimensions: int) -> NDArray[np.float32]
     """The observations [n, d] of a few random steps. Raises whatever the environment raises."""
     import numpy as np
 
-    def seen(observation: Any) -> NDArray[np.float32]:
-        row = flat(env.observation_space, observation)
-        if row.size != dimensions:
-            raise ValueError(f"an observation of {row.size} numbers, not {dimensions}")
-        return row
-
+    space = env.observation_space
     env.action_space.seed(7)
-    rows = [seen(env.reset(seed=7)[0])]
+    rows = [sized(space, env.reset(seed=7)[0], dimensions)]
     for _ in range(STEPS):
         observation, _, terminated, truncated, _ = env.step(env.action_space.sample())
-        rows.append(seen(observation))
+        rows.append(sized(space, observation, dimensions))
         if terminated or truncated:
             break
     return np.stack(rows)

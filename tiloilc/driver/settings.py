@@ -97,17 +97,18 @@ def backbone_findings(
     """JOB604 and JOB608 where the backbone cannot learn in the environment's spaces, or from these
     demonstrations; JOB605 where it would make nothing of them.
     """
-    if backbone(settings, asked) == "sac" and asked.discrete:
+    learner = backbone(settings, asked)
+    if learner == "sac" and asked.discrete:
         spaces = {"seen": str(asked.observation_space), "actions": str(asked.action_space)}
         help = "use a Box of actions, or fewer and whole-numbered observations"
         yield Diagnostic.of("JOB608", place("backbone"), backbone="sac", help=help, **spaces)
-    if backbone(settings, asked) == "tabular" and not asked.finite:
+    if learner == "tabular" and not asked.finite:
         problem = "tabular learning needs whole-numbered observations and Discrete actions"
         yield _bad("backbone", problem, "use `sac`, or `auto`", place)
-    if backbone(settings, asked) == "tabular" and settings.algorithm == "cloning":
+    if learner == "tabular" and settings.algorithm == "cloning":
         problem = "a table learns from demonstrations, it does not clone them"
         yield _bad("algorithm", problem, "use `tiloil`", place)
-    if backbone(settings, asked) == "sac" and demonstrations is not None and demonstrations.count:
+    if learner == "sac" and demonstrations is not None and demonstrations.count:
         yield from _cloning_findings(settings, demonstrations, place)
 
 

@@ -131,7 +131,7 @@ class Copies:
 
     def _checked(self, observation: Any) -> Floats:
         """One observation, flat. Raises ValueError if it cannot be learned from."""
-        row = checked(self.observation_space, observation)
+        row = checked(self.observation_space, observation, self.dimensions)
         if self._range is not None and ((row < self._range[0]) | (row > self._range[1])).any():
             raise ValueError("an observation outside the observation space")
         return row

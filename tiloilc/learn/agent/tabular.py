@@ -157,15 +157,15 @@ class TabularAgent:
 
     def learn(self, progress: float) -> dict[str, Tensor]:
         """Learn a copy's latest step, or backwards the episodes that ended; how far Q moved."""
-        losses = dict[str, Tensor]()
-        judged = self.method.columns > 0  # when an episode is over
-        trails = [] if judged else [self.recent.last(self.turn)]
-        self.turn += 1
+        losses, trails = dict[str, Tensor](), list[Trail]()
         if self.closed:
             losses = self.method.learn(self.method.draw())
             trails, self.closed = self.closed, []
             if self.shown is not None:
                 trails.append(self.shown.known(ended(trails)))
+        elif not self.method.columns:  # else it is judged when its episode is over
+            trails = [self.recent.last(self.turn)]
+        self.turn += 1
         moved = [self._learn(trail) for trail in trails]
         return {**losses, "change": torch.stack(moved).mean(0)} if moved else losses
 

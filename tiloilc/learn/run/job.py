@@ -52,9 +52,8 @@ def make_agent(
     """A fresh learner: tabular on finite environments, SAC on others, or as the plan says.
 
     Raises CompileError JOB604 where cloning is asked of a table, JOB608 for spaces that the
-    backbone cannot take, JOB610 for an algorithm
-    that cannot be had, RUN709 if there is too little memory, RUN710 if the device
-    is not there.
+    backbone cannot take, JOB610 for an algorithm that cannot be had, RUN709 if there is too little
+    memory, RUN710 if the device is not there.
     """
     settings, stages = plan.train, plan.stages
     seen, actions = copies.observation_space, copies.action_space
