@@ -99,3 +99,22 @@ def test_a_compiled_run_resumes_to_the_same_bits_and_learns_what_an_uncompiled_o
     for name, tensor in compiled.items():
         assert torch.allclose(tensor, eager[name], atol=1e-3, equal_nan=True), name
     assert any(not torch.equal(tensor, eager[name]) for name, tensor in compiled.items())
+
+
+class Scaled:
+    def __init__(self, factor: float) -> None:
+        self.factor = factor
+
+    def update(self, x: torch.Tensor) -> torch.Tensor:
+        return x * self.factor
+
+
+def test_a_second_agent_in_the_process_has_a_program_of_its_own() -> None:
+    """What is not looked at when called, as factors of rewards, must not be the first agent's."""
+    said: list[str] = []
+    programs = [
+        Program(Scaled(factor).update, compiled=True, settled=True, say=said.append)
+        for factor in (2.0, 3.0)
+    ]
+    assert [program(torch.ones(1)).item() for program in programs * 2] == [2, 3, 2, 3]
+    assert all(program.compiled for program in programs)

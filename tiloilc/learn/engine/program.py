@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from typing import Any, Generic, ParamSpec, TypeVar
+from contextlib import suppress
+from types import FunctionType
+from typing import Any, Generic, ParamSpec, TypeVar, cast
 
 import torch
 
+from tiloilc.learn.engine.products import build
 from tiloilc.spec.settings import Settings
 
 P = ParamSpec("P")
@@ -53,9 +56,11 @@ class Program(Generic[P, R]):
         if self._call is not None:
             return self._call(*args, **kwargs)
         self.say("compiling the update, which takes a minute and makes each faster")
+        with suppress(Exception):  # torch multiplies then; what is amiss is said below
+            build()
         try:
             call: Callable[P, R] = torch.compile(
-                self.function, fullgraph=True, dynamic=False, options=self.options
+                _apart(self.function), fullgraph=True, dynamic=False, options=self.options
             )
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # the compiler's, about its own parts
@@ -67,3 +72,16 @@ class Program(Generic[P, R]):
             return self.function(*args, **kwargs)
         self._call = call
         return result
+
+
+def _apart(function: Callable[P, R]) -> Callable[P, R]:
+    """The same function with code of its own.
+
+    torch keeps what it compiled with the code. A program that does not look whether it still holds
+    would be taken for another agent's that runs the same code with other settings.
+    """
+    inner: Any = getattr(function, "__func__", function)
+    code, names = inner.__code__.replace(), inner.__globals__
+    apart = FunctionType(code, names, inner.__name__, inner.__defaults__, inner.__closure__)
+    owner = getattr(function, "__self__", None)
+    return cast("Callable[P, R]", apart if owner is None else apart.__get__(owner))

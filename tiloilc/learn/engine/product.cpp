@@ -1,0 +1,129 @@
+// The operator tiloilc::product(left, right): stacked matrix product in float32 on one core,
+// [stack, rows, depth] by [stack, depth, columns] to [stack, rows, columns], operands of any
+// strides. Sums run over depth from its beginning to its end, whatever the sizes.
+//
+// Two vectors' width of the right operand is laid out row after row (a panel), and six rows of the
+// left one are multiplied with it at a time: twelve vectors of sums, which is what both 16 and 32
+// registers hold with what is read beside them.
+
+#include <ATen/cpu/vec/vec.h>
+#include <torch/csrc/stable/library.h>
+#include <torch/csrc/stable/ops.h>
+#include <torch/csrc/stable/tensor.h>
+#include <torch/headeronly/core/ScalarType.h>
+#include <torch/headeronly/util/Exception.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace {
+
+using Lanes = at::vec::Vectorized<float>;
+using Size = int64_t;
+using torch::stable::Tensor;
+
+constexpr Size LANES = Lanes::size();
+constexpr Size WIDTH = 2 * LANES;
+constexpr int ROWS = 6;
+
+// A matrix in memory: element (i, j) is at data[i * row + j * column].
+struct Matrix {
+  const float* data;
+  Size row, column;
+
+  const float* at(Size i, Size j) const { return data + i * row + j * column; }
+};
+
+// `width` columns of `right` from its `first` on, row after row; what is beyond them stays.
+void lay_out(Matrix right, Size first, Size width, Size depth, float* panel) {
+  const float* from = right.at(0, first);
+  if (right.column == 1 && width == WIDTH) {
+    for (Size k = 0; k < depth; ++k, from += right.row, panel += WIDTH) {
+      Lanes::loadu(from).store(panel);
+      Lanes::loadu(from + LANES).store(panel + LANES);
+    }
+  } else if (right.row == 1 && width == WIDTH) {
+    at::vec::transpose_mxn<float>(from, right.column, panel, WIDTH, WIDTH, depth);
+  } else {
+    for (Size k = 0; k < depth; ++k)
+      for (Size j = 0; j < width; ++j)
+        panel[k * WIDTH + j] = from[k * right.row + j * right.column];
+  }
+}
+
+// Some rows of `left` by the panel; `out` has `stride` between its rows, `width` columns are meant.
+template <int rows>
+inline void multiply(Matrix left, const float* panel, Size depth, float* out, Size stride,
+                     Size width) {
+  Lanes sums[rows][2];
+  for (int i = 0; i < rows; ++i) sums[i][0] = sums[i][1] = Lanes(0.0f);
+  for (Size k = 0; k < depth; ++k, panel += WIDTH, left.data += left.column) {
+    const auto first = Lanes::loadu(panel);
+    const auto second = Lanes::loadu(panel + LANES);
+#pragma GCC unroll 6
+    for (int i = 0; i < rows; ++i) {
+      const Lanes value(left.data[i * left.row]);
+      sums[i][0] = at::vec::fmadd(value, first, sums[i][0]);
+      sums[i][1] = at::vec::fmadd(value, second, sums[i][1]);
+    }
+  }
+  for (int i = 0; i < rows; ++i) {
+    sums[i][0].store(out + i * stride, std::min(width, LANES));
+    if (width > LANES) sums[i][1].store(out + i * stride + LANES, width - LANES);
+  }
+}
+
+// The same for a number of rows known only now, at most `rows`.
+template <int rows>
+void multiply_last(Size n, Matrix left, const float* panel, Size depth, float* out, Size stride,
+                   Size width) {
+  if (n == rows) return multiply<rows>(left, panel, depth, out, stride, width);
+  if constexpr (rows > 1)
+    multiply_last<rows - 1>(n, left, panel, depth, out, stride, width);
+}
+
+void multiply_matrices(Matrix left, Matrix right, float* out, Size rows, Size depth, Size columns,
+                       float* panel) {
+  for (Size j = 0; j < columns; j += WIDTH) {
+    const Size width = std::min(WIDTH, columns - j);
+    lay_out(right, j, width, depth, panel);
+    for (Size i = 0; i < rows; i += ROWS) {
+      const Matrix part{left.at(i, 0), left.row, left.column};
+      multiply_last<ROWS>(std::min<Size>(ROWS, rows - i), part, panel, depth,
+                          out + i * columns + j, columns, width);
+    }
+  }
+}
+
+Tensor product(Tensor left, Tensor right) {
+  const Size stack = left.size(0), rows = left.size(1), depth = left.size(2);
+  const Size columns = right.size(2);
+  constexpr auto FLOAT = torch::headeronly::ScalarType::Float;
+  STD_TORCH_CHECK(left.scalar_type() == FLOAT && right.scalar_type() == FLOAT,
+                  "tiloilc::product multiplies float32");
+  STD_TORCH_CHECK(right.size(0) == stack && right.size(1) == depth,
+                  "tiloilc::product: [", stack, ", ", rows, ", ", depth, "] by [", right.size(0),
+                  ", ", right.size(1), ", ", columns, "]");
+  Tensor out = torch::stable::new_empty(left, {stack, rows, columns});
+  const float* lefts = static_cast<const float*>(left.data_ptr());
+  const float* rights = static_cast<const float*>(right.data_ptr());
+  float* outs = static_cast<float*>(out.data_ptr());
+  thread_local std::vector<float> panel;
+  panel.resize(std::max<size_t>(panel.size(), depth * WIDTH));
+  for (Size s = 0; s < stack; ++s)
+    multiply_matrices({lefts + s * left.stride(0), left.stride(1), left.stride(2)},
+                      {rights + s * right.stride(0), right.stride(1), right.stride(2)},
+                      outs + s * rows * columns, rows, depth, columns, panel.data());
+  return out;
+}
+
+}  // namespace
+
+STABLE_TORCH_LIBRARY(tiloilc, library) {
+  library.def("product(Tensor left, Tensor right) -> Tensor");
+}
+
+STABLE_TORCH_LIBRARY_IMPL(tiloilc, CPU, library) {
+  library.impl("product", TORCH_BOX(&product));
+}
