@@ -26,8 +26,9 @@ ours includes the rewards of automaton states and, with K = 4, a step of each di
 Networks are those of the paper's table 5 (actor 3 × 256, critics 2 × 256), for 31 observations,
 five automaton states as one-hot and 4 actions; others see as many numbers. Stable-Baselines3 and
 SBX are called for many updates at once, when they are fastest. CleanRL's loop is written out from
-its published description. The matrix products are those of one update, one after the other into
-memory that is there, by the faster of torch's and numpy's libraries; nothing is added or drawn.
+its published description. The matrix products are those of one update, one after the other, by the
+fastest of torch's library, numpy's and the operator that compiled updates have; nothing is added or
+drawn.
 """
 
 
@@ -35,8 +36,9 @@ PROFILES = """\
 ## Where the time of an update goes
 
 Our own updates by PyTorch's profiler: time in each operation without those that it calls, to which
-the profiler adds its own. `bmm` are the matrix products; what begins with `graph` are loops that
-the compiler made of everything between them, the optimiser's steps among it.
+the profiler adds its own. `tiloilc::product` (`bmm` where it cannot be built) are the matrix
+products; what begins with `graph` are loops that the compiler made of everything between them, the
+optimiser's steps among it.
 """
 
 

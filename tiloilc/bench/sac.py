@@ -19,6 +19,11 @@ RIVALS = {
     Contestant("SBX", "sbx", "updates"): 1.3,
     Contestant("the matrix products alone", "floor", "updates"): 0.6,
 }
+OPERATOR = Contestant("the operator of compiled updates", "floor", "by_operator")
+LIBRARIES = [
+    Contestant("torch's library", "floor", "by_torch"),
+    Contestant("numpy's library", "floor", "by_numpy"),
+]
 RIVAL_JUDGED = Contestant("Stable-Baselines3 and four discriminators", "sb3", "updates", JUDGED)
 
 
@@ -26,9 +31,13 @@ def measure(rounds: int, tell: Tell) -> list[Measurement]:
     """The rows of this benchmark."""
     everyone = [OURS, *RIVALS, OURS_JUDGED, RIVAL_JUDGED]
     ours, *rivals, judged, rival_judged = take_turns(everyone, rounds, tell=tell)
+    operator, *libraries = take_turns([OPERATOR, *LIBRARIES], rounds, tell=tell)
     name, unit = "updates of SAC, K = {}", "updates/s"
-    rows = [
-        compare(name.format(0), unit, ours, rival, goal)
-        for rival, goal in zip(rivals, RIVALS.values(), strict=True)
+    return [
+        *(
+            compare(name.format(0), unit, ours, rival, goal)
+            for rival, goal in zip(rivals, RIVALS.values(), strict=True)
+        ),
+        compare(name.format(4), unit, judged, rival_judged, 4.5),
+        *(compare("matrix products of an update", unit, operator, other) for other in libraries),
     ]
-    return [*rows, compare(name.format(4), unit, judged, rival_judged, 4.5)]

@@ -1,12 +1,14 @@
 """The matrix products of one update and nothing else: no update can be faster than these.
 
-Each is done in turn, into memory that is there, by torch's library or numpy's: whichever is faster.
+Each is done in turn by torch's library or numpy's, into memory that is there, or by our operator:
+whichever is fastest.
 """
 
 from __future__ import annotations
 
 import timeit
 from collections.abc import Sequence
+from contextlib import suppress
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +17,7 @@ from torch import Tensor
 
 from tiloilc.bench.contestants.noise import ACTIONS, OBSERVATIONS, STATES
 from tiloilc.bench.contestants.work import Run, Work
+from tiloilc.learn.engine.products import build
 
 TRIED, TRIALS = 20, 5
 """Updates in a trial of each library, and trials."""
@@ -24,22 +27,53 @@ Product = tuple[Tensor, Tensor, Tensor]
 
 
 def updates(work: Work) -> Run:
-    """The products of one update, one after the other."""
+    """The products of one update, by what is fastest."""
+    ways = [by_torch(work), by_numpy(work)]
+    with suppress(ImportError):
+        ways.append(by_operator(work))
+    return min(ways, key=_seconds)
+
+
+def by_torch(work: Work) -> Run:
+    """The same by torch's library."""
     torch.set_num_threads(1)
     operands = products(work)
-    arrays = [tuple(tensor.numpy() for tensor in product) for product in operands]
 
-    def by_torch(times: int) -> None:
+    def run(times: int) -> None:
         for _ in range(times):
             for left, right, out in operands:
                 torch.mm(left, right, out=out)
 
-    def by_numpy(times: int) -> None:
+    return run
+
+
+def by_numpy(work: Work) -> Run:
+    """The same by numpy's library."""
+    arrays = [tuple(tensor.numpy() for tensor in product) for product in products(work)]
+
+    def run(times: int) -> None:
         for _ in range(times):
             for left, right, out in arrays:
                 np.matmul(left, right, out=out)
 
-    return min(by_torch, by_numpy, key=_seconds)
+    return run
+
+
+def by_operator(work: Work) -> Run:
+    """The same by the operator of compiled updates."""
+    try:
+        build()
+    except Exception as error:
+        raise ImportError(str(error), name="a C++ compiler") from error
+    operands = [(left[None], right[None]) for left, right, _ in products(work)]
+    multiply = torch.ops.tiloilc.product.default
+
+    def run(times: int) -> None:
+        for _ in range(times):
+            for left, right in operands:
+                multiply(left, right)
+
+    return run
 
 
 def products(work: Work) -> list[Product]:
