@@ -212,15 +212,20 @@ class Checker:
             operands.append(self._number(tree, f"`{operator}`"))
         if any(operand.kind is None for operand in operands):
             return WRONG
-        tests = [COMPARISON[operator] for operator in operators]
-        runs = [operand.run for operand in operands]
+        first, *rest = [operand.run for operand in operands]
+        steps = [
+            (COMPARISON[operator], part) for operator, part in zip(operators, rest, strict=True)
+        ]
 
         def run(observations: Array) -> Array:
-            values = [part(observations) for part in runs]
-            result = tests[0](values[0], values[1])
-            for position in range(1, len(tests)):
-                result = result & tests[position](values[position], values[position + 1])
-            return np.asarray(result)
+            left, result = first(observations), None
+            for test, part in steps:
+                right = part(observations)
+                holds: Array = test(left, right)
+                result = holds if result is None else result & holds
+                left = right
+            assert result is not None, "the grammar has an operator here"
+            return result
 
         return Expression(TRUTH, run)
 
@@ -237,7 +242,7 @@ class Checker:
             result = runs[0](observations)
             for part in runs[1:]:
                 result = ufunc(result, part(observations))
-            return np.asarray(result)
+            return result
 
         return Expression(TRUTH, run)
 

@@ -20,6 +20,10 @@ Test = Callable[[Array], Array]
 """Observations [..., d] to truth values that broadcast to [...]."""
 
 
+BITS = np.int64(1) << np.arange(63, dtype=np.int64)
+"""What each proposition is worth in a letter."""
+
+
 @dataclass(frozen=True, slots=True)
 class Labeller:
     """Computes letters; proposition i of `propositions` is bit i.
@@ -47,8 +51,7 @@ class Labeller:
 
     def __call__(self, observations: NDArray[np.generic]) -> NDArray[np.int64]:
         """Letters [...] of observations [..., d]."""
-        weights = np.int64(1) << np.arange(len(self.tests), dtype=np.int64)
-        letters: NDArray[np.int64] = self.truth(observations) @ weights
+        letters: NDArray[np.int64] = self.truth(observations) @ BITS[: len(self.tests)]
         return letters
 
 
