@@ -1,5 +1,6 @@
 """Small tasks for the tests of learning: plans, labels and policies that do as they are told."""
 
+import shutil
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,6 +16,9 @@ from tiloilc.plan import Plan, stage_plan
 from tiloilc.product import Floats, Int
 from tiloilc.spec.model import Demonstrations, Environment, Evaluate
 from tiloilc.spec.settings import Settings
+
+COMPILER = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
+"""What compiles updates here, None where nothing does."""
 
 SMALL: Mapping[str, object] = {
     "steps": 200,

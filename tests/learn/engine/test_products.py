@@ -1,6 +1,5 @@
 """Products are those of double precision, whatever the sizes, strides and the way to them."""
 
-import shutil
 from collections.abc import Callable
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 import torch
 from torch import Tensor
 
+from tests.learn.examples import COMPILER
 from tiloilc.learn.engine import products
 from tiloilc.learn.engine.program import Program
 
@@ -24,8 +24,6 @@ SIZES = [
     (1, 3, 0, 4),
 ]
 """stack, rows, depth, columns: around what a tile and a vector hold, and far from it."""
-
-COMPILER = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
 
 
 def straight(stack: int, rows: int, columns: int) -> Tensor:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import torch
 
-from tests.learn.examples import settings
+from tests.learn.examples import COMPILER, settings
 from tests.learn.run.test_train import assert_equal_runs, go, point
 from tiloilc.learn import load_policy, make_loop
 from tiloilc.learn.agent.continuous import SacAgent
@@ -117,4 +117,4 @@ def test_a_second_agent_in_the_process_has_a_program_of_its_own() -> None:
         for factor in (2.0, 3.0)
     ]
     assert [program(torch.ones(1)).item() for program in programs * 2] == [2, 3, 2, 3]
-    assert all(program.compiled for program in programs)
+    assert COMPILER is None or all(program.compiled for program in programs)
