@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 import torch
 from torch import Tensor
+from torch._inductor import config
+from torch._inductor.cpu_vec_isa import pick_vec_isa
 
 from tests.learn.examples import COMPILER
 from tiloilc.learn.engine import products
@@ -53,8 +55,8 @@ LAYOUTS = [straight, turned, part, turned_part, spread]
 
 @pytest.fixture(scope="module")
 def operator() -> Callable[[Tensor, Tensor], Tensor]:
-    if COMPILER is None:
-        pytest.skip("no C++ compiler")
+    if COMPILER is None or "avx512" not in str(pick_vec_isa()):
+        pytest.skip("no C++ compiler, or no AVX-512")
     products.build()
     return torch.ops.tiloilc.product.default
 
@@ -97,6 +99,13 @@ def test_the_operator_refuses_what_does_not_fit(
         operator(a, straight(1, 4, 3))
     with pytest.raises(RuntimeError, match="float32"):
         operator(a.double(), turned(2, 4, 3).double())
+
+
+def test_there_is_no_operator_for_short_vectors() -> None:
+    """With those of AVX2 it is no faster than torch's library, without any much slower."""
+    refused = pytest.raises(Exception, match="shorter vectors" if COMPILER else "")
+    with config.patch({"cpp.simdlen": 256}), refused:
+        products.build.__wrapped__()
 
 
 def test_a_compiled_program_multiplies_by_the_operator_if_it_can_be_built(

@@ -36,7 +36,7 @@ def test_what_cannot_be_compiled_is_called_as_it_is_and_one_line_says_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def no_compiler(*args: object, **kwargs: object) -> object:
-        raise RuntimeError("no compiler\nand much more")
+        raise RuntimeError("backend='inductor' raised:\nno compiler\nand much more")
 
     monkeypatch.setattr(torch, "compile", lambda function, **kwargs: no_compiler)
     said: list[str] = []

@@ -3,8 +3,11 @@
 // strides. Sums run over depth from its beginning to its end, whatever the sizes.
 //
 // Two vectors' width of the right operand is laid out row after row (a panel), and six rows of the
-// left one are multiplied with it at a time: twelve vectors of sums, which is what both 16 and 32
-// registers hold with what is read beside them.
+// left one are multiplied with it at a time: twelve vectors of sums.
+
+#ifndef CPU_CAPABILITY_AVX512
+#error "with shorter vectors torch's library multiplies as fast, without any this is slow"
+#endif
 
 #include <ATen/cpu/vec/vec.h>
 #include <torch/csrc/stable/library.h>

@@ -37,11 +37,11 @@ def product(a: Tensor, b: Tensor, out: Tensor | None = None) -> Tensor:
 
 @cache
 def build() -> None:
-    """Compile the operator for this processor (three seconds, once for each machine), for programs.
+    """Compile the operator for programs (three seconds, once for each machine).
 
     Raises:
-        Exception: what torch's way of compiling C++ raises, where there is no compiler or torch
-            is too old. Programs then multiply with torch's library.
+        Exception: what torch's way of compiling C++ raises, where the processor has no AVX-512,
+            there is no compiler or torch is too old. Programs then multiply with torch's library.
 
     """
     from torch._inductor.codecache import CppCodeCache

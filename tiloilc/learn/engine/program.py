@@ -66,8 +66,9 @@ class Program(Generic[P, R]):
                 warnings.simplefilter("ignore")  # the compiler's, about its own parts
                 result = call(*args, **kwargs)
         except Exception as error:  # whatever goes wrong in a compiler, there is another way
-            first = next(iter(str(error).strip().splitlines()), type(error).__name__)
-            self.say(f"training goes on slower, the update cannot be compiled here: {first}")
+            lines = (line for line in str(error).splitlines() if line.strip(": "))
+            why = next((line for line in lines if not line.endswith(":")), type(error).__name__)
+            self.say(f"training goes on slower, the update cannot be compiled here: {why.strip()}")
             self.compiled = False
             return self.function(*args, **kwargs)
         self._call = call
