@@ -212,19 +212,16 @@ class Checker:
             operands.append(self._number(tree, f"`{operator}`"))
         if any(operand.kind is None for operand in operands):
             return WRONG
-        first, *rest = [operand.run for operand in operands]
-        steps = [
-            (COMPARISON[operator], part) for operator, part in zip(operators, rest, strict=True)
-        ]
+        first, second, *rest = [operand.run for operand in operands]
+        test, *others = [COMPARISON[operator] for operator in operators]
+        steps = list(zip(others, rest, strict=True))
 
         def run(observations: Array) -> Array:
-            left, result = first(observations), None
-            for test, part in steps:
-                right = part(observations)
-                holds: Array = test(left, right)
-                result = holds if result is None else result & holds
-                left = right
-            assert result is not None, "the grammar has an operator here"
+            left, right = first(observations), second(observations)
+            result: Array = test(left, right)
+            for other, part in steps:
+                left, right = right, part(observations)
+                result = result & other(left, right)
             return result
 
         return Expression(TRUTH, run)

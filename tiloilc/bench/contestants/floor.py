@@ -64,7 +64,7 @@ def by_operator(work: Work) -> Run:
     try:
         build()
     except Exception as error:
-        raise ImportError(str(error), name="a C++ compiler") from error
+        raise ImportError(str(error), name="AVX-512 with a C++ compiler") from error
     operands = [(left[None], right[None]) for left, right, _ in products(work)]
     multiply = torch.ops.tiloilc.product.default
 
