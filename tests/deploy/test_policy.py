@@ -46,6 +46,7 @@ name: {name}
 environment: {{id: tiloilc/FlatWorld-v0, horizon: 20}}
 propositions:
   y: dist(pos, [-0.85, 0.15]) < 0.5
+  r: dist(pos, [0.45, -0.75]) < 0.5
   b: norm(pos) < 0.6
 formula: "{formula}"
 demonstrations: {{source: expert, count: 2, actions: none}}
@@ -71,24 +72,38 @@ TASKS = {
 """Tables and networks, with ε-jumps (all that settle or stay) and without; a method by whose
 potential it matters where a jump arrives."""
 
+CLONED = (
+    NETWORKS.replace("actions: none", "actions: inferred"),
+    "(F G y | F G r) & G !b",
+    "warm_start_steps: 10_000",
+)
+"""Whoever clones does not jump where no demonstration was."""
+
+
+def trained(folder: Path, name: str, task: tuple[str, str, str]) -> Iterator[Path]:
+    """A finished run in `folder`, which is where we are meanwhile."""
+    text, formula, more = task
+    (folder / "task.yaml").write_text(
+        text.format(name=name, formula=formula, more=more), encoding="utf-8"
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for arguments in (["compile", "task.yaml", "-q"], ["train", f"build/{name}", "-q"]):
+            with pytest.raises(SystemExit, match="0"):
+                tiloilc.cli.main(arguments)
+        yield folder / "runs" / name / "0001"
+
 
 @pytest.fixture(scope="module", params=TASKS)
 def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A finished run."""
-    folder = tmp_path_factory.mktemp(request.param)
-    text, formula, more = TASKS[request.param]
-    (folder / "task.yaml").write_text(
-        text.format(name=request.param, formula=formula, more=more), encoding="utf-8"
-    )
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        for arguments in (
-            ["compile", "task.yaml", "-q"],
-            ["train", f"build/{request.param}", "-q"],
-        ):
-            with pytest.raises(SystemExit, match="0"):
-                tiloilc.cli.main(arguments)
-        yield folder / "runs" / request.param / "0001"
+    yield from trained(tmp_path_factory.mktemp(request.param), request.param, TASKS[request.param])
+
+
+@pytest.fixture(scope="module")
+def cloned(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A finished run that began by cloning."""
+    yield from trained(tmp_path_factory.mktemp("cloned"), "cloned", CLONED)
 
 
 def rollout(run: Path, name: str) -> Rollout:
@@ -168,6 +183,15 @@ def test_a_policy_is_shown_without_its_weights(run: Path) -> None:
 
 @pytest.mark.parametrize("name", ["best", "last"])
 def test_a_loaded_policy_does_what_the_trained_agent_did(run: Path, name: str) -> None:
+    does_as_trained(run, name)
+
+
+@pytest.mark.parametrize("name", ["best", "last", "cloning"])
+def test_a_cloned_policy_jumps_as_the_trained_agent_did(cloned: Path, name: str) -> None:
+    does_as_trained(cloned, name)
+
+
+def does_as_trained(run: Path, name: str) -> None:
     expected = rollout(run, name)
     for place, seed in enumerate((4, 5, 6)):
         policy = tiloilc.load_policy(run, seed=seed, policy=name)

@@ -90,3 +90,15 @@ def disjunction() -> Ldba:
         return 2 if b == 1 and "b" in true else b
 
     return automaton(["a", "b", "g"], 4, step, {3})
+
+
+def fork() -> Ldba:
+    """`GF a | GF b`: 0 jumps to 1, which accepts in 3, or to 2, which accepts in 4."""
+
+    def step(b: int, true: set[str]) -> int:
+        if b == 0:
+            return 0
+        side = 1 if b in (1, 3) else 2
+        return side + 2 if "ab"[side - 1] in true else side
+
+    return automaton(["a", "b"], 5, step, {3, 4}, None, [(0, 1), (0, 2)])

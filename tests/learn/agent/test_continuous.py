@@ -7,13 +7,14 @@ import pytest
 import torch
 
 from tests.learn.examples import beyond, cell_is, demos, generator, plan
-from tests.plan.automata import chain, flatworld_cycle, stabilization
+from tests.plan.automata import chain, flatworld_cycle, fork, stabilization
 from tiloilc.demos import Demo, DemoSet
 from tiloilc.diag import CompileError
 from tiloilc.learn import make_loop
 from tiloilc.learn.agent.cloning import clone, infer_actions
 from tiloilc.learn.agent.continuous import SacAgent
 from tiloilc.learn.agent.shown import _segments, show
+from tiloilc.learn.algorithm.method import arrivals_of
 from tiloilc.learn.algorithm.tiloil import stage_reward, tiloil_backup
 from tiloilc.learn.engine.sac import Imitated
 from tiloilc.learn.run.job import _shown
@@ -245,6 +246,49 @@ def test_with_exact_entry_acceptance_is_chosen_at_once() -> None:
     offered = np.array([[[0, 1], [0, 0], [2, 2]]] * 2)
     chosen = agent.choose(np.zeros((2, 3, 2), np.float32), offered, greedy=True)
     assert chosen.tolist() == [[1, 0, 2]] * 2
+
+
+def forked(**changes: Any) -> SacAgent:
+    """The agent of `GF a | GF b` that has just cloned demonstrations of a alone."""
+    made = plan(fork(), "TestsDrift-v0", **changes)
+    loop = make_loop(made, demos(PATH), LABELS)
+    list(loop.run(made.train.learning_starts))
+    assert isinstance(loop.agent, SacAgent)
+    return loop.agent
+
+
+def test_while_cloning_lasts_nobody_jumps_where_no_demonstration_was() -> None:
+    """All went through 0 and 3: elsewhere it is worth 1 / (1 − γ) = 10 less, then 5, then 0."""
+    agent = forked(gamma=0.9, warm_start_steps=40)
+    assert set(agent.shown.state.tolist()) == {0, 3}
+    offered = np.tile(np.array([[0, 1, 2]]), (2, 50, 1))
+    seen = np.random.default_rng(0).normal(0, 1, (2, 50, 2)).astype(np.float32)
+    for progress, less in ((None, 10.0), (20, 5.0), (40, 0.0)):
+        if progress is not None:
+            agent.learn(progress)
+        assert agent.reluctance.tolist() == [[0, less, less, 0, less]] * 2
+        pay = agent.policy()["arrival.pay"] + agent.reluctance
+        assert torch.equal(pay, arrivals_of(agent.method, agent.walk, 2, torch.zeros(2))["pay"])
+        if less:
+            assert not agent.choose(seen, offered, greedy=True).any()
+            assert (agent.choose(seen, offered, greedy=False) > 0).mean() < 0.1
+    assert agent.choose(seen, offered, greedy=True).any()
+    assert (agent.choose(seen, offered, greedy=False) > 0).mean() > 0.1
+
+
+def test_who_clones_nothing_jumps_as_values_say() -> None:
+    assert not forked(warm_start="none").reluctance.any()
+
+
+def test_a_policy_takes_its_reluctance_along() -> None:
+    agent = forked(gamma=0.9, warm_start_steps=40)
+    cloned = {name: tensor.clone() for name, tensor in agent.policy().items()}
+    agent.learn(40)
+    agent.load_policy(cloned)
+    assert agent.reluctance[:, 1].tolist() == [10, 10]
+    del cloned["reluctance"]  # as in a run of before
+    agent.load_policy(cloned)
+    assert not agent.reluctance.any()
 
 
 # demonstrations

@@ -12,7 +12,7 @@ from torch import Tensor
 
 from tiloilc.learn.agent.cloning import clone, demonstrated_rows, infer_again
 from tiloilc.learn.agent.held import Held
-from tiloilc.learn.agent.shown import Shown, judged_demonstrations
+from tiloilc.learn.agent.shown import Shown, judged_demonstrations, strange_states
 from tiloilc.learn.algorithm.method import Setup, arrivals_of, make_method, rewards_of
 from tiloilc.learn.algorithm.tiloil import input_states
 from tiloilc.learn.engine.chance import Chance, draw_shown, draw_states
@@ -74,6 +74,8 @@ class SacAgent:
         self.held = Held(self.layout)
         self.exploration = 0.0 if settings.exploration == "auto" else settings.exploration
         self.cloning_weight = torch.zeros((), device=device)
+        self.strange = torch.from_numpy(strange_states(walk, shown)).to(device)
+        self.reluctance = torch.zeros(seeds, walk.states, device=device)
         settled = settings.algorithm in ALGORITHMS  # who knows what others keep
         self.program = Program(self._update, pays(settings), settled, say)
         self._show(None)
@@ -112,6 +114,7 @@ class SacAgent:
         x = self._encode_options(seen, offered)
         value = self.sac.greedy_value(x) if greedy else self.sac.soft_value(x)
         value = self.method.worth(seen, offered).each(value.view_as(offered))
+        value = value - self.reluctance.gather(1, offered.flatten(1)).view_as(value)
         if not greedy:
             noise = torch.rand(value.shape, generator=self.generator, device=device)
             alpha = self.sac.log_alpha.exp()[:, None, None]
@@ -174,6 +177,7 @@ class SacAgent:
         if self.demo_rows is None or not clones:
             return False
         self._clone(self.demo_rows)
+        self._weigh_cloning(1)
         return True
 
     def infer(self, cloning: bool) -> None:
@@ -191,16 +195,25 @@ class SacAgent:
         clone(self.sac, x, batch.action, self.generator)
         self.sac.reset_optimisers()
 
+    def _weigh_cloning(self, share: float) -> None:
+        """Have imitation weigh `share` of what rewards of 1 for ever are worth.
+
+        Nobody is to jump where no demonstration was: the cloned actor does not know what to do.
+        """
+        weight = share / (1 - self.settings.gamma)
+        self.cloning_weight.fill_(weight)
+        if self.walk.chooses:
+            self.reluctance.copy_((weight * self.strange).expand_as(self.reluctance))
+
     def learn(self, progress: float) -> dict[str, Tensor]:
         """One update, `progress` environment steps since learning began; losses by seed."""
         if len(self.replay) == 0:  # the first episode is not judged yet
             return {}
-        s, weight = self.settings, 0.0
+        s = self.settings
         gone = min(progress / max(s.steps - s.learning_starts, 1), 1)  # copies end a little later
         self.sac.slow(1 - (1 - s.final_rate) * gone)
         if s.warm_start != "none":
-            weight = max(1 - progress / max(s.warm_start_steps, 1), 0) / (1 - s.gamma)
-        self.cloning_weight.fill_(weight)
+            self._weigh_cloning(max(1 - progress / max(s.warm_start_steps, 1), 0))
         return self.program(self._draw())
 
     def _draw(self) -> Chance:
@@ -251,7 +264,10 @@ class SacAgent:
         """What acting needs; each tensor's first axis counts seeds, or seeds times two."""
         method = self.method
         arrivals = arrivals_of(method, self.walk, self.settings.seeds, self.encode.middle)
+        if arrivals:
+            arrivals["pay"] = arrivals["pay"] - self.reluctance
         more = {**with_prefix("method", method.policy()), **with_prefix("arrival", arrivals)}
+        more["reluctance"] = self.reluctance
         return {name: tensor.cpu() for name, tensor in {**self.sac.policy(), **more}.items()}
 
     def fixed(self) -> State:
@@ -268,6 +284,8 @@ class SacAgent:
         """Take what `policy` gave."""
         self.sac.load_policy(state)
         self.method.load_policy(under("method", state))
+        none = torch.zeros_like(self.reluctance)  # older runs have none
+        self.reluctance.copy_(state.get("reluctance", none))
 
     def rings(self) -> dict[str, Ring]:
         """The replay's rows, and what the algorithm keeps."""
@@ -288,6 +306,7 @@ class SacAgent:
             "generator": self.generator.get_state(),
             "host": self.host.get_state(),
             "compiled": torch.tensor(self.program.compiled),
+            "reluctance": self.reluctance,
         }
         if self.demo_rows is not None:
             state["demo_rows"] = self.demo_rows
@@ -302,6 +321,7 @@ class SacAgent:
         self.generator.set_state(state["generator"])
         self.host.set_state(state["host"])
         self.program.compiled = bool(state["compiled"])
+        self.reluctance.copy_(state["reluctance"])
         self._show(state.get("demo_rows"))
 
     def _to_environment(self, action: Floats) -> Floats:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tiloilc.demos import DemoSet, Replay
 from tiloilc.learn.algorithm.method import Episode, Method
@@ -88,6 +89,11 @@ def judged_demonstrations(method: Method, shown: Shown) -> Floats:
         kept.append(method.judge(episode))
         first += length
     return np.concatenate(kept)
+
+
+def strange_states(walk: Walk, shown: Shown) -> NDArray[np.bool_]:
+    """The automaton states, [B], in which no demonstration shows what to do."""
+    return ~np.isin(np.arange(walk.states), shown.state)
 
 
 def _segments(accepting: list[bool], cut: bool) -> list[tuple[int, int]]:

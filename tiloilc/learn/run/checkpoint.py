@@ -33,7 +33,7 @@ LAST, PREVIOUS = "last.json", "previous.json"
 WASTE = 2
 """Rows in files for each row that is still in its ring, before all are written afresh."""
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 """Of what tensors there are in a checkpoint, and of the pointer."""
 
 Written = dict[str, list[int]]
