@@ -108,16 +108,24 @@ def run_to_resume(folder: Path, job: Job, runs: Path) -> Path:
             path = folder.as_posix()
             raise CompileError(Diagnostic.of("RUN704", help=help, path=path, other=other))
         return folder
-    parent = runs / job.plan.name
+    parent, newest = runs / job.plan.name, ""
     wanted = digest(job.plan)
     found = sorted(p.parent for p in parent.glob("[0-9]*/plan.json")) if parent.is_dir() else []
     for run in reversed(found):
         try:
-            if digest(read_plan(run)) == wanted:
-                return run
+            plan = read_plan(run)
         except CompileError:  # damaged, or of another version: it cannot be meant
             continue
-    raise fail(f"no run of this plan in `{parent.as_posix()}` to go on with")
+        if digest(plan) == wanted:
+            return run
+        newest = newest or f"; `{run.as_posix()}` was trained with {_other(plan, job.plan)}"
+    raise fail(f"no run of this plan in `{parent.as_posix()}` to go on with{newest}")
+
+
+def _other(before: Plan, now: Plan) -> str:
+    """How a run's plan differs, in words."""
+    changes = _changes(before.train, now.train)
+    return f"other settings: {changes}" if changes else "another task file"
 
 
 def _changes(before: Settings, now: Settings) -> str:
