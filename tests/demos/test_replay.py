@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.demos.examples import chain, staying
+from tests.plan.automata import fork
 from tiloilc.automaton.ldba import Ldba
 from tiloilc.demos import (
     Demo,
@@ -64,6 +65,17 @@ def test_a_jump_is_taken_when_staying_begins_for_good() -> None:
     run = replay(spelled([0, 1, 0, 1, 1, 1]), read, staying())
     assert run.states.tolist() == [0, 0, 0, 1, 1, 1]
     assert run.visits == 3
+
+
+@pytest.mark.parametrize(
+    ("letters", "states"),
+    [([0, 0, 2, 0], [2, 2, 4, 2]), ([1, 0, 2, 1], [3, 1, 1, 3]), ([0, 0, 0], [0, 0, 0])],
+)
+def test_of_two_promises_the_one_that_is_kept_most_often_is_made_at_once(
+    letters: list[int], states: list[int]
+) -> None:
+    """`GF a | GF b`; who keeps none makes none."""
+    assert replay(spelled(letters), read, fork()).states.tolist() == states
 
 
 def test_no_jump_is_taken_into_a_violation() -> None:

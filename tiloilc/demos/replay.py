@@ -47,8 +47,8 @@ def replay(
     `options` are those of the product that is trained in; without them jumps are free.
 
     At ε-jumps it is read in its own favour, the whole of it known: of all runs those that stay out
-    of the sink longest, of these one that accepts most often, and of these the one that jumps
-    last.
+    of the sink longest, and of these one that accepts most often. It jumps as soon as that leads to
+    acceptance, so that all of it shows the way from there; a run that accepts no more does not.
     """
     letters = np.asarray(labels(observations), np.int64)
     states = best_run(letters.tolist(), ldba, options)
@@ -94,7 +94,9 @@ def best_run(
         for b, reachable in options_of.items():
             values = [_add(worth[o], o, ldba) for o in reachable]
             before[b] = max(values)
-            chosen[b] = reachable[values.index(before[b])]
+            best = [o for o, value in zip(reachable, values, strict=True) if value == before[b]]
+            jumps = [o for o in best if o != reachable[0]]
+            chosen[b] = jumps[0] if jumps and before[b][1] > 0 else best[0]
         choices.append(chosen)
         worth = before
     run = []

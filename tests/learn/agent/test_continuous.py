@@ -258,22 +258,22 @@ def forked(**changes: Any) -> SacAgent:
 
 
 def test_while_cloning_lasts_nobody_jumps_where_no_demonstration_was() -> None:
-    """All went through 0 and 3: elsewhere it is worth 1 / (1 − γ) = 10 less, then 5, then 0."""
+    """All went through 1 and 3: elsewhere it is worth 1 / (1 − γ) = 10 less, then 5, then 0."""
     agent = forked(gamma=0.9, warm_start_steps=40)
-    assert set(agent.shown.state.tolist()) == {0, 3}
+    assert set(agent.shown.state.tolist()) == {1, 3}
     offered = np.tile(np.array([[0, 1, 2]]), (2, 50, 1))
     seen = np.random.default_rng(0).normal(0, 1, (2, 50, 2)).astype(np.float32)
     for progress, less in ((None, 10.0), (20, 5.0), (40, 0.0)):
         if progress is not None:
             agent.learn(progress)
-        assert agent.reluctance.tolist() == [[0, less, less, 0, less]] * 2
+        assert agent.reluctance.tolist() == [[less, 0, less, 0, less]] * 2
         pay = agent.policy()["arrival.pay"] + agent.reluctance
         assert torch.equal(pay, arrivals_of(agent.method, agent.walk, 2, torch.zeros(2))["pay"])
         if less:
-            assert not agent.choose(seen, offered, greedy=True).any()
-            assert (agent.choose(seen, offered, greedy=False) > 0).mean() < 0.1
-    assert agent.choose(seen, offered, greedy=True).any()
-    assert (agent.choose(seen, offered, greedy=False) > 0).mean() > 0.1
+            assert (agent.choose(seen, offered, greedy=True) == 1).all()
+            assert (agent.choose(seen, offered, greedy=False) != 1).mean() < 0.1
+    assert (agent.choose(seen, offered, greedy=True) != 1).any()
+    assert (agent.choose(seen, offered, greedy=False) != 1).mean() > 0.1
 
 
 def test_who_clones_nothing_jumps_as_values_say() -> None:
@@ -285,7 +285,7 @@ def test_a_policy_takes_its_reluctance_along() -> None:
     cloned = {name: tensor.clone() for name, tensor in agent.policy().items()}
     agent.learn(40)
     agent.load_policy(cloned)
-    assert agent.reluctance[:, 1].tolist() == [10, 10]
+    assert agent.reluctance[:, 2].tolist() == [10, 10]
     del cloned["reluctance"]  # as in a run of before
     agent.load_policy(cloned)
     assert not agent.reluctance.any()
