@@ -2,8 +2,8 @@
 // [stack, rows, depth] by [stack, depth, columns] to [stack, rows, columns], operands of any
 // strides. Sums run over depth from its beginning to its end, whatever the sizes.
 //
-// Two vectors' width of the right operand is laid out row after row (a panel), and six rows of the
-// left one are multiplied with it at a time: twelve vectors of sums.
+// Two vectors' width of the right operand is laid out row after row (a panel), and eight rows of the
+// left one are multiplied with it at a time: sixteen vectors of sums.
 
 #ifndef CPU_CAPABILITY_AVX512
 #error "with shorter vectors torch's library multiplies as fast, without any this is slow"
@@ -28,7 +28,7 @@ using torch::stable::Tensor;
 
 constexpr Size LANES = Lanes::size();
 constexpr Size WIDTH = 2 * LANES;
-constexpr int ROWS = 6;
+constexpr int ROWS = 8;
 
 // A matrix in memory: element (i, j) is at data[i * row + j * column].
 struct Matrix {
@@ -38,50 +38,63 @@ struct Matrix {
   const float* at(Size i, Size j) const { return data + i * row + j * column; }
 };
 
-// `width` columns of `right` from its `first` on, row after row; what is beyond them stays.
-void lay_out(Matrix right, Size first, Size width, Size depth, float* panel) {
-  const float* from = right.at(0, first);
-  if (right.column == 1 && width == WIDTH) {
-    for (Size k = 0; k < depth; ++k, from += right.row, panel += WIDTH) {
-      Lanes::loadu(from).store(panel);
-      Lanes::loadu(from + LANES).store(panel + LANES);
-    }
-  } else if (right.row == 1 && width == WIDTH) {
-    at::vec::transpose_mxn<float>(from, right.column, panel, WIDTH, WIDTH, depth);
-  } else {
-    for (Size k = 0; k < depth; ++k)
-      for (Size j = 0; j < width; ++j)
-        panel[k * WIDTH + j] = from[k * right.row + j * right.column];
-  }
+// A square of a vector's width, its rows `step` apart, to columns of a panel.
+inline void turn(const float* from, Size step, float* panel) {
+  at::vec::VectorizedN<float, LANES> square;
+#pragma GCC unroll 16
+  for (int i = 0; i < LANES; ++i) square[i] = Lanes::loadu(from + i * step);
+  at::vec::transpose_block(square);
+#pragma GCC unroll 16
+  for (int i = 0; i < LANES; ++i) square[i].store(panel + i * WIDTH);
 }
 
-// Some rows of `left` by the panel; `out` has `stride` between its rows, `width` columns are meant.
-template <int rows>
-inline void multiply(Matrix left, const float* panel, Size depth, float* out, Size stride,
-                     Size width) {
+// `width` columns of `right` from its `first` on, row after row; what is beyond them stays.
+void lay_out(Matrix right, Size first, Size width, Size depth, float* panel) {
+  Size k = 0;
+  if (right.row == 1 && width == WIDTH) {
+    for (; k + LANES <= depth; k += LANES)
+      for (Size j = 0; j < WIDTH; j += LANES)
+        turn(right.at(k, first + j), right.column, panel + k * WIDTH + j);
+  }
+  for (; k < depth; ++k)
+    for (Size j = 0; j < width; ++j) panel[k * WIDTH + j] = *right.at(k, first + j);
+}
+
+// Some rows of `left` by rows of `right`, `step` apart, which are copied to `panel` on the way;
+// `out` has `stride` between its rows, `width` columns are meant. The sums are in registers only if
+// every loop over them is unrolled.
+template <int rows, bool copy = false>
+inline void multiply(Matrix left, const float* right, Size step, Size depth, float* out,
+                     Size stride, Size width, float* panel = nullptr) {
   Lanes sums[rows][2];
+#pragma GCC unroll 16
   for (int i = 0; i < rows; ++i) sums[i][0] = sums[i][1] = Lanes(0.0f);
-  for (Size k = 0; k < depth; ++k, panel += WIDTH, left.data += left.column) {
-    const auto first = Lanes::loadu(panel);
-    const auto second = Lanes::loadu(panel + LANES);
-#pragma GCC unroll 6
+  for (Size k = 0; k < depth; ++k, right += step, left.data += left.column) {
+    const auto first = Lanes::loadu(right);
+    const auto second = Lanes::loadu(right + LANES);
+    if constexpr (copy) {
+      first.store(panel + k * WIDTH);
+      second.store(panel + k * WIDTH + LANES);
+    }
+#pragma GCC unroll 16
     for (int i = 0; i < rows; ++i) {
       const Lanes value(left.data[i * left.row]);
       sums[i][0] = at::vec::fmadd(value, first, sums[i][0]);
       sums[i][1] = at::vec::fmadd(value, second, sums[i][1]);
     }
   }
+#pragma GCC unroll 16
   for (int i = 0; i < rows; ++i) {
     sums[i][0].store(out + i * stride, std::min(width, LANES));
     if (width > LANES) sums[i][1].store(out + i * stride + LANES, width - LANES);
   }
 }
 
-// The same for a number of rows known only now, at most `rows`.
+// A panel and a number of rows known only now, at most `rows`.
 template <int rows>
 void multiply_last(Size n, Matrix left, const float* panel, Size depth, float* out, Size stride,
                    Size width) {
-  if (n == rows) return multiply<rows>(left, panel, depth, out, stride, width);
+  if (n == rows) return multiply<rows>(left, panel, WIDTH, depth, out, stride, width);
   if constexpr (rows > 1)
     multiply_last<rows - 1>(n, left, panel, depth, out, stride, width);
 }
@@ -90,8 +103,14 @@ void multiply_matrices(Matrix left, Matrix right, float* out, Size rows, Size de
                        float* panel) {
   for (Size j = 0; j < columns; j += WIDTH) {
     const Size width = std::min(WIDTH, columns - j);
-    lay_out(right, j, width, depth, panel);
-    for (Size i = 0; i < rows; i += ROWS) {
+    Size i = 0;
+    if (right.column == 1 && width == WIDTH && rows >= ROWS) {  // the first rows lay it out
+      multiply<ROWS, true>(left, right.at(0, j), right.row, depth, out + j, columns, width, panel);
+      i = ROWS;
+    } else {
+      lay_out(right, j, width, depth, panel);
+    }
+    for (; i < rows; i += ROWS) {
       const Matrix part{left.at(i, 0), left.row, left.column};
       multiply_last<ROWS>(std::min<Size>(ROWS, rows - i), part, panel, depth,
                           out + i * columns + j, columns, width);
