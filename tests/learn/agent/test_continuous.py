@@ -248,10 +248,10 @@ def test_with_exact_entry_acceptance_is_chosen_at_once() -> None:
     assert chosen.tolist() == [[1, 0, 2]] * 2
 
 
-def forked(**changes: Any) -> SacAgent:
-    """The agent of `GF a | GF b` that has just cloned demonstrations of a alone."""
+def forked(path: list[list[float]] = PATH, **changes: Any) -> SacAgent:
+    """The agent of `GF a | GF b` that has just cloned a demonstration of a alone."""
     made = plan(fork(), "TestsDrift-v0", **changes)
-    loop = make_loop(made, demos(PATH), LABELS)
+    loop = make_loop(made, demos(path), LABELS)
     list(loop.run(made.train.learning_starts))
     assert isinstance(loop.agent, SacAgent)
     return loop.agent
@@ -274,6 +274,14 @@ def test_while_cloning_lasts_nobody_jumps_where_no_demonstration_was() -> None:
             assert (agent.choose(seen, offered, greedy=False) != 1).mean() < 0.1
     assert (agent.choose(seen, offered, greedy=True) != 1).any()
     assert (agent.choose(seen, offered, greedy=False) != 1).mean() > 0.1
+
+
+def test_where_a_demonstration_ends_is_not_strange() -> None:
+    """It may end in acceptance, with nothing to show of what to do there."""
+    agent = forked(PATH[:5])
+    assert agent.shown.state.tolist() == [1, 1, 1, 1]
+    assert agent.shown.arrived.tolist() == [1, 1, 1, 3]
+    assert not agent.reluctance[:, 3].any()
 
 
 def test_who_clones_nothing_jumps_as_values_say() -> None:

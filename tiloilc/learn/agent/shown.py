@@ -92,8 +92,8 @@ def judged_demonstrations(method: Method, shown: Shown) -> Floats:
 
 
 def strange_states(walk: Walk, shown: Shown) -> NDArray[np.bool_]:
-    """The automaton states, [B], in which no demonstration shows what to do."""
-    return ~np.isin(np.arange(walk.states), shown.state)
+    """The automaton states, [B], that no demonstration was in."""
+    return ~np.isin(np.arange(walk.states), np.concatenate([shown.state, shown.arrived]))
 
 
 def _segments(accepting: list[bool], cut: bool) -> list[tuple[int, int]]:

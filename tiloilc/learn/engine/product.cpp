@@ -2,8 +2,8 @@
 // [stack, rows, depth] by [stack, depth, columns] to [stack, rows, columns], operands of any
 // strides. Sums run over depth from its beginning to its end, whatever the sizes.
 //
-// Two vectors' width of the right operand is laid out row after row (a panel), and eight rows of the
-// left one are multiplied with it at a time: sixteen vectors of sums.
+// Two vectors' width of the right operand is laid out row after row (a panel), and eight rows of
+// the left one are multiplied with it at a time: sixteen vectors of sums.
 
 #ifndef CPU_CAPABILITY_AVX512
 #error "with shorter vectors torch's library multiplies as fast, without any this is slow"
