@@ -250,10 +250,8 @@ def test_resuming_goes_on_with_the_newest_run_of_the_same_plan(build: Path, run:
     assert run("train", "runs/round/0002", "-q", "--resume") == (0, "runs/round/0002\n", "")
     other = "`runs/round/0002` was trained with other settings: steps 30, not 77"
     status, _, err = run("train", build, "--resume", "--steps", 77)
-    assert (status, err) == (
-        2,
-        f"error: no run of this plan in `runs/round` to go on with; {other}\n",
-    )
+    assert status == 2
+    assert err == f"error: no run of this plan in `runs/round` to go on with; {other}\n"
     Path("round.yaml").write_text(GRID.replace("G F (a", "F (a"), encoding="utf-8")
     run("compile", "round.yaml", "-q")
     status, _, err = run("train", build, "--resume", "--steps", 30)
