@@ -67,7 +67,9 @@ def index(book: Book) -> str:
     text += f"\n## Every task by every method\n\n{BOLD}" + overview(book, book.tasks)
     letter = [task for task in book.tasks if any(_letter(book, task))]
     if letter:
-        text += "\n## With the paper's table 5, to the letter (`preset=paper`)\n\n"
+        text += "\n## With the paper's table 5 (`preset=paper`)\n\n"
+        text += "What a row's runs set otherwise, or left as the task file has it, is on "
+        text += "[all.md](all.md).\n\n"
         text += overview(book, letter, "paper")
     return text + "\n## What was run\n\n" + _told(book)
 
