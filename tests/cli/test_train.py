@@ -102,6 +102,15 @@ def test_settings_can_be_changed_for_one_run(build: Path, run: Run) -> None:
     assert settings_of(build)["steps"] == 60  # the build is as it was
 
 
+def test_another_preset_says_what_the_task_file_keeps(build: Path, run: Run) -> None:
+    err = run("train", build, "--set", "preset=paper", "--set", "learning_starts=7")[2]
+    told = next(line for line in err.splitlines() if line.startswith("preset paper, but"))
+    assert "checkpoint_every 10" in told
+    assert settings_of(Path("runs/round/0001"))["checkpoint_every"] == 10
+    assert not any(name in told for name in ("learning_starts", "seeds", "tau"))
+    assert "preset" not in run("train", build, "--set", "preset=default")[2]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from tiloilc.cli.console import fail, report
+from tiloilc.cli.console import fail, report, say
 
 if TYPE_CHECKING:
     from tiloilc.plan import Plan
@@ -117,4 +117,14 @@ def changed(plan: Plan, changes: Mapping[str, object], quiet: bool) -> Settings:
         raise CompileError(*found)
     if not quiet:
         report(found)
+    if settings.preset != plan.train.preset and (kept := _kept(settings, changes)):
+        say(f"preset {settings.preset}, but as the task file sets them: {kept}", quiet)
     return settings
+
+
+def _kept(settings: Settings, changes: Mapping[str, object]) -> str:
+    """What the task file sets otherwise than the preset, in words, without `changes`."""
+    from tiloilc.sweep.model import OWN
+
+    kept = {k: v for k, v in settings.overrides().items() if k not in (*changes, *OWN)}
+    return ", ".join(f"{name} {json.dumps(value)}" for name, value in kept.items())
