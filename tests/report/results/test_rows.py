@@ -82,6 +82,21 @@ def test_the_usual_row_has_the_task_files_settings_and_is_the_longest(
     assert book.usual("flatworld_cycle", "lcer") is None
 
 
+def test_the_paper_presets_row_keeps_as_little_of_the_task_file_as_there_is(
+    files: dict[str, TaskFile],
+) -> None:
+    task = "flatworld_disjunction"
+    own = files[task].defaults("paper", "tiloil")
+    assert {"gamma", "beta"} <= own.keys()
+    found = records([1.0], name=task, preset="paper", overrides=own, steps=90_000)
+    assert visits(Book.of(found, files).usual(task, "tiloil", "paper")) == [1.0]
+    some = {name: value for name, value in own.items() if name != "gamma"}
+    found += records([2.0], name=task, preset="paper", overrides=some, steps=10)
+    assert visits(Book.of(found, files).usual(task, "tiloil", "paper")) == [2.0]
+    found += records([3.0], name=task, preset="paper", overrides={"gamma": 0.7}, steps=90_000)
+    assert visits(Book.of(found, files).usual(task, "tiloil", "paper")) == [2.0]
+
+
 def test_what_a_run_of_a_task_file_with_another_method_records_is_that_methods_usual_row(
     files: dict[str, TaskFile],
 ) -> None:

@@ -66,22 +66,25 @@ class Book:
         return [*METHODS, *more]
 
     def usual(self, task: str, algorithm: str, preset: str = "default") -> Row | None:
-        """The row with the task file's own settings and demonstrations, the longest there is."""
-        wanted = self.defaults(task, algorithm, preset)
+        """The row with the task file's own settings and demonstrations, the longest there is.
+
+        Of the preset `paper`, whose settings a task file can replace, the one that keeps fewest of
+        the task file's.
+        """
+        own = self.own(task, algorithm, preset)
         found = [
             row
             for row in self.of_task(task, algorithm)
-            if row.preset == preset and row.changes in wanted and not row.demonstrations
+            if row.preset == preset
+            and not row.demonstrations
+            and (row.changes == own or (preset == "paper" and set(row.changes) <= set(own)))
         ]
-        return max(found, key=lambda row: (row.steps, len(row.runs)), default=None)
+        return max(found, key=lambda r: (-len(r.changes), r.steps, len(r.runs)), default=None)
 
-    def defaults(
-        self, task: str, algorithm: str = "tiloil", preset: str = "default"
-    ) -> tuple[Changes, ...]:
-        """Changes that are the task file's own; of the preset `paper` its letter counts, too."""
+    def own(self, task: str, algorithm: str = "tiloil", preset: str = "default") -> Changes:
+        """What the task file changes of a preset; nothing if there is no task file."""
         file = self.files.get(task)
-        own = () if file is None else settings_of(file.defaults(preset, algorithm))
-        return (own, ()) if preset == "paper" or file is None else (own,)
+        return () if file is None else settings_of(file.defaults(preset, algorithm))
 
     def of_task(self, task: str, algorithm: str | None = None) -> list[Row]:
         """The rows of a task, or of one method on it."""
@@ -101,8 +104,8 @@ class Book:
             key = (row.without(*settings), row.preset, row.demonstrations, row.steps)
             varied = tuple(pair for pair in row.changes if pair[0] in settings)
             groups.setdefault(key, {})[varied] = row
-        own = {tuple(p for p in one if p[0] not in settings) for one in self.defaults(task)}
-        order = sorted(groups, key=lambda key: (key[0] not in own, -key[3], key))
+        own = tuple(pair for pair in self.own(task) if pair[0] not in settings)
+        order = sorted(groups, key=lambda key: (key[0] != own, -key[3], key))
         last = [
             key
             for i, key in enumerate(order)

@@ -161,7 +161,7 @@ def _with(book: Book, task: str, method: str, changes: dict[str, str]) -> Row | 
         row
         for row in book.of_task(task, method)
         if row.preset == "default"
-        and row.changes in book.defaults(task, method)
+        and row.changes == book.own(task, method)
         and {k: v for k, v in row.demonstrations if k not in aside or k in wanted} == wanted
     ]
     return max(found, key=lambda row: (row.steps, len(row.runs)), default=None)
