@@ -36,7 +36,8 @@ Statistic: TypeAlias = Callable[[Floats], Floats]
 """Reduces the last axis (seeds): [..., n] → [...]."""
 
 RESAMPLES = 10_000
-"""Bootstrap resamples; the end points of an interval then move by less than a hundredth of it."""
+"""Bootstrap resamples; the end points of an interval then move by a hundredth of it, where few
+seeds lie far apart by some."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -87,6 +87,13 @@ def test_every_link_leads_somewhere(recorded: dict[str, str]) -> None:
     assert links > 100
 
 
+def test_every_figure_stands_on_a_page(recorded: dict[str, str]) -> None:
+    pages = "".join(text for name, text in recorded.items() if name.endswith(".md"))
+    figures = {name for name in recorded if name.endswith(".svg")}
+    assert len(figures) > 20
+    assert {name for name in figures if name not in pages} == {"overview.svg"}  # README's
+
+
 def test_figures_are_small(recorded: dict[str, str]) -> None:
     sizes = {n: len(t.encode()) for n, t in recorded.items() if n.endswith(".svg")}
     assert sizes
@@ -108,9 +115,11 @@ def test_writing_removes_what_is_no_longer_made(tmp_path: Path) -> None:
 def test_a_row_of_all_names_its_spread_its_bound_and_its_records(
     files: dict[str, TaskFile],
 ) -> None:
-    row = line_of(every.page(Book.of(records([2.0, 4.0]), files)), "| <a id=")
+    old = records([9.0], steps=9, optimum={"accepting_visits": 9.0, "exact": False})
+    text = every.page(Book.of([*records([2.0, 4.0]), *old], files))
+    row = next(line for line in text.splitlines() if "| 54,000 |" in line)
     assert "`flatworld_cycle` | tiloil default beta=0 gamma=0.8 | 2 | 54,000 | 3.00 ± 1.41 |" in row
-    end = "| – | ≥ 4 | seeds [200–201](../../results/flatworld_cycle.jsonl.gz) at abcdef0 |"
+    end = "| – | ≥ 9 | seeds [200–201](../../results/flatworld_cycle.jsonl.gz) at abcdef0 |"
     assert row.endswith(end)
 
 
@@ -121,7 +130,7 @@ def test_rows_that_differ_in_one_setting_are_compared(files: dict[str, TaskFile]
     found += records([2.0], overrides={}, steps=2000)
     _, _, compared = every.page(Book.of(found, files)).partition("One thing changed")
     row = line_of(compared, "| `flatworld_cycle`")
-    assert "| tiloil default gamma=0.9 | beta=0 | 3.00 ± 0.00 | 1.00 ± 0.00 |" in row
+    assert "| tiloil default gamma=0.9 | 54,000 | beta=0 | 3.00 ± 0.00 | 1.00 ± 0.00 |" in row
     assert row.endswith("| -2.00 [-2.00, -2.00] |")
 
 

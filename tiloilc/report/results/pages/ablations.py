@@ -50,11 +50,10 @@ BETAS = {"0.49": 0.49, "1/3": 1 / 3, "1/4": 0.25, "0": 0.0}
 """The paper's columns, and none."""
 
 ABOUT = """\
-A row names what its runs change from the preset beside the part in question: a part is worth
-something only where others do not do its work (demonstrations that are cloned and replayed show
-every way already, [ADR 17](../adr/0017-what-the-default-was-chosen-by.md)). Numbers are accepting
-visits, mean ± standard deviation over seeds; they lead to their records, and seeds × steps stand
-below.
+A row names what its runs change from the preset beside the part in question, since a part is worth
+little where others do its work: demonstrations that are cloned and replayed show every short way
+already ([ADR 17](../adr/0017-what-the-default-was-chosen-by.md)). Numbers are accepting visits,
+mean ± standard deviation over seeds; they lead to their records, and seeds × steps stand below.
 
 """
 

@@ -38,7 +38,7 @@ a task of those that both were run on, with a 95 % stratified bootstrap interval
 2021, *Deep reinforcement learning at the edge of the statistical precipice*). Ties count half, so
 0.5 means no difference. The means over tasks, and the interquartile means (IQM) over all runs of
 these tasks, are of visits as a share of the optimum, or of the best that is known; an IQM leaves
-the worst quarter of runs out.
+the worst and the best quarter of runs out.
 
 """
 

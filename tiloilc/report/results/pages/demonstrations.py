@@ -50,7 +50,7 @@ def _figure(book: Book, number: str, methods: Sequence[str], drawn: Mapping[str,
     names = listed([method_name(method) for method in methods])
     text = f"# Figure {number}: {names} with more demonstrations\n\n{MADE}\n"
     text += (
-        f"{names} with 5, 10 and what the paper calls all demonstrations, whose number differs by\n"
+        f"{names} with 5, 10 and all demonstrations (the paper's *full*), whose number differs by\n"
         "task. The paper shows curves and prints no results. Numbers are accepting visits, with\n"
         "seeds × steps below; curves are eventual returns with 95 % bootstrap intervals.\n\n"
     )

@@ -21,22 +21,23 @@ Learning reads the states of demonstrations only, unless a row says otherwise. A
 a lower bound, reached by real actions.
 
 *Settings* are a method, a preset, and what differs from that preset; on other pages a method's row
-is the one with the settings that the task file has now, the longest of several. Runs that were cut
-short do not count. Of one seed that was run at several commits the latest counts (records without a
-time count as the oldest). Seeds from {FRESH} on served no choice of settings; where a row has any,
-only they count.
+is the one with the settings that the task file has now, the longest of several. For another method
+than the task file's they are without those that make the two what they are (`optimistic` is for
+TiLoIL and not for baselines). Runs that were cut short do not count. Of one seed that was run at
+several commits the latest counts (records without a time count as the oldest). Seeds from {FRESH}
+on served no choice of settings; where a row has any, only they count.
 
 The records of a row, one a line, are printed by
 `python -m tiloilc.report.results row ANCHOR`, where the anchor is the end of the link to the row.
-A row is made again by `tiloilc run specs/TASK.yaml --set NAME=VALUE … --set first_seed={FRESH}
---record results/TASK.jsonl.gz`, with its settings.
+A row is made again by `tiloilc run specs/TASK.yaml --set NAME=VALUE … --steps STEPS --seeds COUNT
+--set first_seed=FIRST --record results/TASK.jsonl.gz`, with its settings, steps and seeds.
 
 """
 
 PAIRS = """
 ## One thing changed
 
-Rows above that differ in one setting only, and by how much the mean of their visits differs, with
+Rows above and those that set one thing more, and by how much the mean of their visits differs, with
 its 95 % bootstrap interval: what keeps clear of 0 is more than chance among seeds.
 
 """
@@ -46,17 +47,19 @@ COLUMNS = (
     "cloning", "optimum", "records",
 )  # fmt: skip
 
-PAIR_COLUMNS = ("task", "settings", "changed", "visits before", "visits after", "difference [95 %]")
+PAIR_COLUMNS = (
+    "task", "settings", "steps", "changed", "visits before", "visits after", "difference [95 %]",
+)  # fmt: skip
 
 
 def page(book: Book) -> str:
     """The page; the same records give the same text."""
-    text = HEAD + table(COLUMNS, [_row(row) for row in book.rows])
+    text = HEAD + table(COLUMNS, [_row(row, book) for row in book.rows])
     pairs = [pair for row in book.rows for pair in _pairs(row, book)]
     return text + (PAIRS + table(PAIR_COLUMNS, pairs) if pairs else "")
 
 
-def _row(row: Row) -> list[str]:
+def _row(row: Row, book: Book) -> list[str]:
     visits = row.values("greedy")
     summary = summarise(visits, generator())
     assert summary is not None, f"{row.anchor} has no visits"
@@ -71,7 +74,7 @@ def _row(row: Row) -> list[str]:
         f"{row.values('greedy', 'violation_rate').mean():.1%}",
         spread(row.values("last")),
         spread(row.values("cloning")),
-        optimum(row.optimum),
+        optimum(book.optimum(row.task)),
         f"seeds {file} at {', '.join(row.commits)}",
     ]
 
@@ -95,6 +98,7 @@ def _pairs(row: Row, book: Book) -> list[list[str]]:
             [
                 f"`{row.task}`",
                 _settings(row),
+                f"{row.steps:,}",
                 f"{name}={value}",
                 spread(row.values("greedy")),
                 spread(other.values("greedy")),

@@ -34,11 +34,12 @@ exceeds 39.5 and 99.3. So the paper's numbers stand beside our visits. Our event
 """
 
 BOLD = """\
-Bold is the highest mean of a task and all that are not below it by more than chance (a 95 %
-bootstrap interval of the difference that keeps clear of 0). A number leads to its records; below it
-stand seeds × steps of each. *Cloning alone* is the policy that TiLoIL began with. An optimum with ≥
-is a lower bound, reached by real actions. The paper's number for TiLoIL is that with β = 1/3, and
-its best the highest of [table 1](table-1.md) and [table 2](table-2.md).
+Where several methods were run, bold is the highest mean of a task and all that are not below it by
+more than chance (a 95 % bootstrap interval of the difference that keeps clear of 0). A number leads
+to its records; below it stand seeds × steps of each. *Cloning alone* is the policy that TiLoIL
+began with. An optimum with ≥ is a lower bound, reached by real actions. The paper's number for
+TiLoIL is that with β = 1/3, and its best the highest of [table 1](table-1.md) and
+[table 2](table-2.md).
 
 """
 
