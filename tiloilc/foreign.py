@@ -28,11 +28,12 @@ def blamed(id: str, fails: str, here: str) -> Iterator[None]:
     """
     try:
         yield
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         last = traceback.extract_tb(error.__traceback__)[-1]
         ours = last.filename in (here, __file__)
         at = "" if ours else f" ({Path(last.filename).name}, line {last.lineno})"
-        words = str(error).strip().splitlines()
+        ends = isinstance(error, SystemExit)
+        words = ["it ends the program"] if ends else str(error).strip().splitlines()
         problem = f"{fails}: {': '.join([type(error).__name__, *words[:1]])}{at}"
         raise CompileError(Diagnostic.of("RUN707", id=id, problem=problem)) from error
 

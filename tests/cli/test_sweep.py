@@ -74,6 +74,13 @@ def test_records_from_elsewhere_are_taken_over_and_count(workdir: Path, run: Run
         (["corridor.yaml", "--records", "x/{name"], "--records may have {name} and"),
         (["corridor.yaml", "--records", "y/{name}.txt"], "--records must end in .jsonl or"),
         (["corridor.yaml", "--set", "seeds=1"], "--seeds"),
+        (["corridor.yaml", "--set", "steps=1", "--steps", "9"], "`steps` is given twice"),
+        (
+            ["corridor.yaml", "--set", "algorithm=gail", "--algorithms", "lcer"],
+            "`algorithm` is given twice",
+        ),
+        (["corridor.yaml", "--merge", "no/where", "--dry-run"], "there is no `no/where`"),
+        (["corridor.yaml", "--records", "corridor.yaml"], "corridor.yaml"),
         (
             ["corridor.yaml", "--set", "demonstrations.cont=1"],
             "did you mean `demonstrations.count`",

@@ -35,6 +35,26 @@ class Chatty(GridCircularEnv):
 gymnasium.register("Chatty-v0", Chatty)
 """
 
+LEAVER = """\
+import sys
+
+import gymnasium
+from tiloilc.tasks.grids import GridCircularEnv
+
+
+class Leaver(GridCircularEnv):
+    calls = 0
+
+    def WHERE(self, *given, **named):
+        Leaver.calls += 1
+        if Leaver.calls > 120:
+            sys.exit(0)
+        return super().WHERE(*given, **named)
+
+
+gymnasium.register("Leaver-v0", Leaver)
+"""
+
 FLAT = """\
 name: stay
 environment: {id: tiloilc/FlatWorld-v0, horizon: 12}
@@ -122,6 +142,8 @@ def test_another_preset_says_what_the_task_file_keeps(build: Path, run: Run) -> 
         (["--set", "demonstrations.count=3"], ["tiloilc run SPEC --set demonstrations.count=…"]),
         (["--set", "demonstration.count=3"], ["did you mean `demonstrations.count`?"]),
         (["--steps", "ten"], ["steps"]),
+        (["--steps", "9", "--set", "steps=-5"], ["`steps` is given twice"]),
+        (["--seeds", "1", "--set", "seeds=0"], ["`seeds` is given twice"]),
         (["--steps", "0"], ["steps"]),
     ],
 )
@@ -455,6 +477,26 @@ def test_a_damaged_file_of_records_is_noticed_before_training(build: Path, run: 
     assert "RUN701" in err
     assert "records.jsonl.gz" in err
     assert not Path("runs").exists()
+
+
+def test_a_place_where_no_records_can_be_is_noticed_before_training(build: Path, run: Run) -> None:
+    status, out, err = run("run", "round.yaml", "--record", "round.yaml/x.jsonl.gz")
+    assert (status, out) == (2, "")
+    assert "round.yaml" in err
+    assert not Path("runs").exists()
+
+
+@pytest.mark.parametrize("where", ["reset", "step"])
+def test_an_environment_that_ends_the_program_is_a_finding(
+    workdir: Path, run: Run, where: str
+) -> None:
+    (workdir / "leaver.py").write_text(LEAVER.replace("WHERE", where), encoding="utf-8")
+    text = GRID.replace("tiloilc/GridCircular-v0", "leaver:Leaver-v0")
+    (workdir / "task.yaml").write_text(text, encoding="utf-8")
+    status, out, err = run("run", "task.yaml", "-q")
+    assert (status, out) == (1, "")
+    assert "error[RUN707]" in err
+    assert "it ends the program" in err
 
 
 def test_a_run_is_trained_by_one_process_at_a_time(build: Path, run: Run) -> None:

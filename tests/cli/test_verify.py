@@ -7,6 +7,7 @@ import pytest
 from safetensors.torch import load_file, save_file
 
 from tests.cli.running import Run, runner
+from tiloilc import load_policy
 from tiloilc.evaluate import read
 
 CORRIDOR = """\
@@ -38,6 +39,18 @@ propositions:
   top: position > 0.45
 formula: "F top"
 train: {steps: 20_000}
+"""
+
+CLONED = """\
+name: cloned
+environment: {id: tiloilc/FlatWorld-v0, horizon: 12}
+propositions:
+  y: dist(pos, [-0.85, 0.15]) < 0.3
+  b: norm(pos) < 0.8
+formula: "F y & G !b"
+demonstrations: {source: expert, count: 2, actions: inferred}
+train: {algorithm: cloning, steps: 200, seeds: 1, learning_starts: 60}
+evaluate: {episodes: 2, every: 100}
 """
 
 EAST, NORTH = 0, 1
@@ -159,6 +172,38 @@ def test_the_counterexample_goes_where_it_is_told_and_an_old_one_away(
     assert (trained / "counterexample.svg").is_file()
     assert run("verify", trained, "-q", "--seed", "0")[0] == 0
     assert not (trained / "counterexample.svg").exists()
+
+
+def test_a_walk_goes_on_where_the_environment_ends_as_its_model_does(
+    workdir: Path, run: Run
+) -> None:
+    dry = LAKE.replace("id: FrozenLake-v1", "id: FrozenLake-v1, kwargs: {is_slippery: false}")
+    (workdir / "lake.yaml").write_text(dry.replace("20_000", "4_000, seeds: 1"), encoding="utf-8")
+    assert run("run", "lake.yaml", "-q")[0] == 0
+    status, out, _ = run("verify", "runs/lake/0001", "--walk", 100, "--episodes", 20, "-q")
+    assert status == 0
+    row = next(line.split() for line in out.splitlines() if line.split()[0] == "0")
+    assert row[:5] == ["0", "1", "7", "states", "20/20"]
+    (agent,) = json.loads(Path("runs/lake/0001/verify.json").read_text())["agents"]
+    assert agent["agrees"]
+
+
+def test_where_nothing_was_validated_the_last_policy_is_meant(
+    workdir: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.INVERSE_STEPS", 20)
+    monkeypatch.setattr("tiloilc.learn.agent.cloning.CLONING_STEPS", 20)
+    (workdir / "cloned.yaml").write_text(CLONED, encoding="utf-8")
+    path = Path("runs/cloned/0001")
+    assert run("run", "cloned.yaml", "-q")[0] == 0
+    assert not (path / "checkpoints/best.safetensors").exists()
+    status, out, err = run("verify", path, "--episodes", 2, "-q")
+    assert status == 0, err
+    assert "policy `last`" in out
+    assert load_policy(path).seed == 0
+    status, _, err = run("verify", path, "--policy", "best")
+    assert status == 1
+    assert "it has no `best`" in err
 
 
 def test_of_a_task_the_most_that_can_be_reached_is_told(workdir: Path, run: Run) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tests.learn.examples import cell_is, plan
 from tests.plan.automata import automaton, chain, ring, stabilization
 from tiloilc.evaluate.protocol import metrics_of
-from tiloilc.evaluate.rollout import Arena, Rollout
+from tiloilc.evaluate.rollout import Arena, EndlessCopies, Rollout
 from tiloilc.product import Floats, Int
 
 RIGHT, STAY, LEFT = 2, 1, 0
@@ -97,6 +97,22 @@ def test_an_episode_that_its_environment_ends_accepts_no_more() -> None:
     assert rollout.accepting[0, 0].tolist() == [False, False, True] + [False] * 4
     assert rollout.over[0, 0].tolist() == [False] * 3 + [True] * 4
     assert metrics_of(rollout).accepting_visits.tolist() == [1, 1]
+
+
+def test_endless_copies_stay_at_the_end_and_their_last_label_is_read_on() -> None:
+    line = {"size": 3, "ends": True}
+    made = plan(chain(["end"]), "TestsLine-v0", horizon=6, kwargs=line)
+    arena = Arena(made, cell_is(2), 2, EndlessCopies)
+    by_seed = Told(lambda seen, states: np.broadcast_to([[RIGHT], [STAY]], states.shape))
+    for _ in range(2):  # a new episode begins at the start again
+        rollout = arena.play(by_seed, range(2))
+        assert rollout.observations[..., 0].tolist() == [[0, 1, 2, 2, 2, 2, 2], [0] * 7]
+        assert rollout.accepting[0].tolist() == [[False, False] + [True] * 5] * 2
+        assert not rollout.accepting[1].any()
+        assert not rollout.over.any()
+    made = plan(ring(["end"], "never"), "TestsLine-v0", horizon=6, kwargs=line)
+    again = Arena(made, cell_is(2, 9), 2, EndlessCopies).play(always(RIGHT), range(2))
+    assert again.accepting.sum(axis=2).tolist() == [[5, 5], [5, 5]]  # G F end: for ever
 
 
 def test_an_episode_that_ended_in_a_sink_stays_a_violation() -> None:

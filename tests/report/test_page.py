@@ -155,6 +155,19 @@ def test_numbers_in_the_table_are_those_of_the_evaluation(tmp_path: Path) -> Non
     assert any(cell.startswith("3.00 [") for cell in cells)
 
 
+def test_a_run_that_was_not_cloned_has_no_cloning_to_be_compared_with(tmp_path: Path) -> None:
+    train = plan().train.override({"learning_starts": 5_000})
+    compiled = plan(train=train)
+    assert compiled.train.warm_start != "none"
+    for i, how in enumerate(({"cloning": None}, {"reached": 30_000})):
+        found = read_run(write_run(tmp_path / f"a{i}", compiled=compiled, **how))
+        assert 5_000 in found.curve.steps
+        assert ("cloning alone" in render([found])) == ("reached" in how)
+    bare = replace(compiled, demonstrations=Demonstrations())
+    found = read_run(write_run(tmp_path / "b", compiled=bare, reached=30_000))
+    assert "cloning alone" not in render([found])
+
+
 def test_text_from_a_task_file_is_never_markup(tmp_path: Path) -> None:
     evil = '<script>alert(1)</script><img src=x onerror="alert(2)">'
     compiled = plan(

@@ -22,8 +22,9 @@ def command(
         int | None, typer.Option("--seed", help="Which agent; else the best by validation.")
     ] = None,
     policy: Annotated[
-        str, typer.Option("--policy", help="Which policy: best, last or cloning.")
-    ] = "best",
+        str | None,
+        typer.Option("--policy", help="Which policy: best (or last, if none), last or cloning."),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Write one agent's policy as an ONNX model, with its automaton.
@@ -39,5 +40,6 @@ def command(
     with guests():
         chosen = load_policy(run, seed=seed, policy=policy)
         export(chosen, folder)
-    say(f"exported the policy `{policy}` of seed {chosen.seed}", quiet)
+    said = "the policy" if policy is None else f"the policy `{policy}`"
+    say(f"exported {said} of seed {chosen.seed}", quiet)
     print(folder.as_posix())

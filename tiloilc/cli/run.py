@@ -46,12 +46,12 @@ def command(
     Prints what the policies achieve beside the optimum, and where the report is.
     """
     from tiloilc.driver import compile_spec, write_build
-    from tiloilc.evaluate import append, read, records_of_run
+    from tiloilc.evaluate import append, prepare, records_of_run
     from tiloilc.plan import digest
     from tiloilc.report import write_report
 
-    if record is not None and record.exists():
-        read(record)  # a damaged file is found out now, not after the training
+    if record is not None:
+        prepare(record)
     settings = settings_given(changes or [], steps, seeds, device)
     build = spec
     if not spec.is_dir():
@@ -71,8 +71,8 @@ def command(
         seconds = train_job(job, run, resume, quiet)
         say(f"trained in {seconds:.0f} s; evaluating", quiet)
         evaluation = evaluate_job(job, run, None)
-        if record is not None:
-            append(record, records_of_run(run))
         page = write_report([run], run / "report.html")
     print(verdict(evaluation))
     print(f"report: {page.as_posix()}")
+    if record is not None:
+        append(record, records_of_run(run))

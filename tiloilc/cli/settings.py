@@ -21,19 +21,23 @@ def settings_given(
     device: str | None = None,
     option: str = "--set",
 ) -> dict[str, object]:
-    """The settings of the command line: `--set K=V` and those that have options of their own."""
+    """The settings of the command line: `--set K=V` and those that have options of their own.
+
+    Raises Exit 2 for what is no pair, and for a setting that is given both ways.
+    """
     changes: dict[str, object] = {}
     for pair in pairs:
-        name, equals, value = pair.partition("=")
+        key, equals, text = pair.partition("=")
         if not equals:
             raise fail(f"{option} needs NAME=VALUE, not `{pair}`")
-        changes[name.strip()] = _value(value.strip())
-    if steps is not None:
-        changes["steps"] = steps
-    if seeds is not None:
-        changes["seeds"] = seeds
-    if device is not None:
-        changes["device"] = device
+        changes[key.strip()] = _value(text.strip())
+    options: dict[str, object] = {"steps": steps, "seeds": seeds, "device": device}
+    for name, value in options.items():
+        if value is None:
+            continue
+        if name in changes:
+            raise fail(f"`{name}` is given twice: by {option} and by --{name}")
+        changes[name] = value
     return changes
 
 

@@ -107,9 +107,13 @@ def command(
     """
     import tiloilc.sweep as sweeps
     from tiloilc.diag import Severity
+    from tiloilc.evaluate import prepare
 
     if not specs and not merge:
         raise fail("name task files or sweep files, or records to --merge")
+    for path in merge or []:
+        if not path.exists():
+            raise fail(f"there is no `{path.as_posix()}` to --merge")
     options = _options(algorithms, steps, changes, seeds, first_seed, seeds_per_job, records)
     chosen = _chosen_engine(engine, workers, engine_options or [], folder)
     asked = sweeps.requests(specs or [], options)
@@ -133,6 +137,8 @@ def command(
     if dry_run:
         print(listing(sweep, done))
         return
+    for file in {one.records for one in experiments}:
+        prepare(file)
     with _stoppable():
         sweep = sweeps.Sweep(experiments, sweeps.collect(sweep), folder)
         failed: Mapping[str, Outcome] = {}
@@ -182,6 +188,8 @@ def _options(
     for name, option in (("seeds", "--seeds"), ("first_seed", "--first-seed")):
         if name in settings:
             raise fail(f"give `{name}` by {option}")
+    if algorithms is not None and "algorithm" in settings:
+        raise fail("`algorithm` is given twice: by --set and by --algorithms")
     names = [name.strip() for name in (algorithms or "").split(",")]
     wanted = tuple(dict.fromkeys(name for name in names if name))
     return Options(wanted, checked(settings), seeds, first_seed, seeds_per_job, records)

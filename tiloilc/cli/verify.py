@@ -128,7 +128,7 @@ def command(
     from tiloilc.evaluate.verify import Wanted
 
     wanted = Wanted(
-        policy=(policy or Saved.BEST).value,
+        policy=None if policy is None else policy.value,
         method=(method or Method.AUTO).value,
         seed=seed,
         episodes=episodes,
@@ -158,22 +158,21 @@ def _verified_run(
 ) -> Verification:
     """The policies of a run; writes `verify.json`, the picture and records."""
     from tiloilc.driver import write_file
-    from tiloilc.evaluate import append, read, records_of_run
+    from tiloilc.evaluate import append, prepare, records_of_run
     from tiloilc.evaluate.verify import VERIFY, records_of, verify_run
     from tiloilc.report.pictures import png_of, svg_of
     from tiloilc.report.pictures.counterexample import counterexample_picture
 
     if record is not None:  # what is in the way is found out now
         records_of_run(run)
-        if record.exists():
-            read(record)
+        prepare(record)
     with open_job(run) as job:
         found = verify_run(
             job.plan, job.demos, job.labels, run, wanted, lambda text: say(text, quiet)
         )
         drawn = None
         if found.counterexamples:
-            drawn = counterexample_picture(job.plan, wanted.policy, found.counterexamples[0])
+            drawn = counterexample_picture(job.plan, found.policy, found.counterexamples[0])
     write_file(run / VERIFY, json.dumps(found.to_json(), indent=1) + "\n")
     say(f"wrote {(run / VERIFY).as_posix()}", quiet)
     if record is not None:

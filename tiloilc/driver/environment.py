@@ -93,7 +93,7 @@ def ask(environment: Environment, document: Document) -> Asked:
             return Asked(published, dimensions, finite, reproducible, seen, acts, tried)
         except CompileError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise _cannot(environment, document, f"{doing} fails: {_words(error)}") from error
         finally:
             env.close()

@@ -1,7 +1,15 @@
 """The protocol by which policies are judged, the statistics over seeds, and the records of runs."""
 
 from tiloilc.evaluate.metrics import METRICS, EpisodeMetrics, eventual_return, measure
-from tiloilc.evaluate.records import Record, append, dedupe, read, records_of_run, split_seeds
+from tiloilc.evaluate.records import (
+    Record,
+    append,
+    dedupe,
+    prepare,
+    read,
+    records_of_run,
+    split_seeds,
+)
 from tiloilc.evaluate.statistics import (
     Band,
     Interval,
@@ -33,6 +41,7 @@ __all__ = [
     "generator",
     "interquartile_mean",
     "measure",
+    "prepare",
     "probability_of_improvement",
     "read",
     "records_of_run",

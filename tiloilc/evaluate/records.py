@@ -6,6 +6,7 @@ records are the same bytes whoever merged them and in whatever order.
 
 from __future__ import annotations
 
+import errno
 import gzip
 import json
 import os
@@ -144,6 +145,19 @@ def append(path: Path, records: Sequence[Record]) -> int:
         merged = dedupe([*known, *records])
         write(path, merged)
     return len(merged)
+
+
+def prepare(path: Path) -> None:
+    """Find out before long work what would keep records from being added to the file.
+
+    Makes its folder. Raises CompileError RUN701 for a damaged file, OSError for a place that cannot
+    be written to.
+    """
+    if path.exists():
+        read(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
 
 
 def write(path: Path, records: Iterable[Record]) -> None:

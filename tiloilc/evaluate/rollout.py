@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from tiloilc.learn import Labels, Policy
 from tiloilc.plan import Plan
 from tiloilc.product import Copies, Floats, Int, Product, walk_tables
+from tiloilc.spec import Environment
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,11 +38,13 @@ class Rollout:
 class Arena:
     """Environments for evaluation, apart from those of training, made once and used again."""
 
-    def __init__(self, plan: Plan, labels: Labels, episodes: int) -> None:
+    def __init__(
+        self, plan: Plan, labels: Labels, episodes: int, copies: type[Copies] = Copies
+    ) -> None:
         self.plan, self.labels = plan, labels
         self.walk = walk_tables(plan.ldba, plan.train.epsilon)
         self.shape = (plan.train.seeds, episodes)
-        self.copies = Copies(plan.environment, plan.train.seeds * episodes)
+        self.copies = copies(plan.environment, plan.train.seeds * episodes)
 
     def play(self, policy: Policy, episode_seeds: Sequence[int], greedy: bool = True) -> Rollout:
         """One episode for each entry of `episode_seeds`, the same ones for every seed.
@@ -75,6 +79,37 @@ class Arena:
         late = late.reshape(path.shape)
         accepting = self.walk.accepting[path] & ~late
         return Rollout(diary.observations(), path, accepting, path == self.walk.sink, late)
+
+
+class EndlessCopies(Copies):
+    """Copies that stay where their environment ends: their last label is read for ever.
+
+    So a word is infinite whatever the environment does, as in the model that is verified exactly.
+    """
+
+    def __init__(self, environment: Environment, count: int) -> None:
+        super().__init__(environment, count)
+        self._seeds: Int = np.zeros(count, dtype=np.int64)
+        self._last: Floats = np.zeros((count, self.dimensions), dtype=np.float32)
+        self._stays = np.zeros(count, dtype=np.bool_)
+        self._ended = np.zeros(count, dtype=np.bool_)
+
+    def reset(self, seeds: Sequence[int], mask: NDArray[np.bool_]) -> Floats:
+        """As of all copies."""
+        self._seeds = np.where(mask, seeds, self._seeds)
+        self._stays, self._ended = self._stays & ~mask, self._ended & ~mask
+        observations = super().reset(self._seeds.tolist(), mask)
+        self._last = np.where(self._stays[:, None], self._last, observations)
+        return self._last.copy()
+
+    def step(self, actions: NDArray[Any]) -> tuple[Floats, NDArray[np.bool_]]:
+        """As of all copies, but that none ever ends."""
+        if self._ended.any():  # an environment that ended takes no more steps, and nobody looks
+            super().reset(self._seeds.tolist(), self._ended)
+        observations, self._ended = super().step(actions)
+        self._last = np.where(self._stays[:, None], self._last, observations)
+        self._stays = self._stays | self._ended
+        return self._last.copy(), np.zeros_like(self._ended)
 
 
 class _Diary:

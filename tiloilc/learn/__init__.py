@@ -14,6 +14,7 @@ from tiloilc.learn.run.train import (
     load_policy,
     train,
     trained_agent,
+    usual_policy,
 )
 
 __all__ = [
@@ -33,4 +34,5 @@ __all__ = [
     "make_loop",
     "train",
     "trained_agent",
+    "usual_policy",
 ]

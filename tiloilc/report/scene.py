@@ -123,15 +123,15 @@ def _picture(
 
 def outlines(drawn: Map, x_min: float, y_max: float, scale: float) -> list[Markup]:
     """The map's zones in a picture whose upper left corner is (x_min, y_max)."""
-    zones = [_shape(shape, x_min, y_max, scale) for shape in drawn.shapes]
-    places = apart([place for _, place in zones], 13.0)
+    zones = [(shape.name, *_shape(shape, x_min, y_max, scale)) for shape in drawn.shapes]
+    named = [(name, place) for name, _, place in zones if name]
+    places = apart([place for _, place in named], 13.0)
     # names over all areas, for areas overlap
     return [
-        *(area for area, _ in zones),
+        *(area for _, area, _ in zones),
         *(
-            tag("text", shape.name, class_="zone-name", x=x, y=y + 4)
-            for shape, (x, y) in zip(drawn.shapes, places, strict=True)
-            if shape.name
+            tag("text", name, class_="zone-name", x=x, y=y + 4)
+            for (name, _), (x, y) in zip(named, places, strict=True)
         ),
     ]
 

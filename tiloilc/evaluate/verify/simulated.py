@@ -14,7 +14,7 @@ from tiloilc.evaluate.seeds import EVALUATION
 from tiloilc.evaluate.verify.told import Path
 from tiloilc.learn import Labels, Policy
 from tiloilc.plan import Plan
-from tiloilc.product import Int
+from tiloilc.product import Copies, Int
 
 CHUNK = 20
 """Episodes that are played at once, as many copies of the environment for each agent."""
@@ -59,10 +59,17 @@ class Simulation:
     No two trials share an episode, so that those of all agents together are independent, too.
     """
 
-    def __init__(self, plan: Plan, labels: Labels, policy: Policy, episodes: int) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        labels: Labels,
+        policy: Policy,
+        episodes: int,
+        copies: type[Copies] = Copies,
+    ) -> None:
         self.plan, self.labels, self.policy = plan, labels, policy
         self.episodes, self.chunk = episodes, min(episodes, CHUNK)
-        self.arena = Arena(plan, labels, self.chunk)
+        self.arena = Arena(plan, labels, self.chunk, copies)
 
     def play(self) -> Trials:
         """All episodes. Raises CompileError RUN707 if the environment fails."""

@@ -125,6 +125,12 @@ def train(
     return outcome
 
 
+def usual_policy(run: Path) -> str:
+    """The policy of a finished run that is meant where none is named: the best by validation, or
+    the last where nothing was validated."""
+    return "best" if (run / CHECKPOINTS / "best.safetensors").is_file() else "last"
+
+
 def load_policy(run: Path, name: str) -> State | None:
     """The policy `name` of POLICIES that a finished run left, None if it has none.
 

@@ -17,6 +17,7 @@ from tiloilc.evaluate import (
     steps_to_threshold,
     summarise,
 )
+from tiloilc.plan import Plan
 from tiloilc.report.markup import number
 from tiloilc.report.results.methods import method_name
 from tiloilc.report.runs.reading import Floats
@@ -111,16 +112,23 @@ def greedy(run: Run) -> dict[str, Floats]:
 
 
 def cloning(run: Run) -> dict[str, Floats]:
-    """Cloning alone: from eval.json, else the evaluation at which learning began after it."""
-    if run.final is not None and "cloning" in run.final.policies:
-        return run.final.policies["cloning"]
-    if run.plan is None or run.plan.train.warm_start == "none":
+    """Cloning alone: from eval.json, else of an unfinished run the evaluation at which learning
+    began after it."""
+    if run.final is not None:
+        return run.final.policies.get("cloning", {})
+    if run.plan is None or run.plan.train.warm_start == "none" or not _shown(run.plan):
         return {}
     begun = run.plan.train.learning_starts
     if begun not in run.curve.steps:
         return {}
     place = run.curve.steps.index(begun)
     return {name: column[place] for name, column in run.curve.values.items()}
+
+
+def _shown(plan: Plan) -> bool:
+    """Whether there are demonstrations."""
+    given = plan.demonstrations
+    return any((given.source, given.file, given.minari))
 
 
 def occupancy(run: Run, states: int) -> Occupancy | None:
