@@ -159,7 +159,7 @@ RULES: dict[str, Rule] = _rules(
         "demonstrations have {given} components, the environment's observations {expected}",
     ),
     Rule("DEMO505", E, "no-actions", "{carrier} no actions"),
-    Rule("DEMO506", E, "no-expert", "there is no scripted expert for `{environment}`"),
+    Rule("DEMO506", E, "no-expert", "there is no scripted expert{named} for `{environment}`"),
     Rule(
         "DEMO507",
         E,
