@@ -92,7 +92,8 @@ def test_train_prints_the_run_folder_and_leaves_policies(build: Path, run: Run) 
 
 def test_settings_can_be_changed_for_one_run(build: Path, run: Run) -> None:
     changes = ("--steps", "1e2", "--seeds", 1, "--set", "beta=1/4", "--set", "segment=false")
-    assert run("train", build, *changes, "--set", "critic_hidden=[8, 8]", "-q")[0] == 0
+    status, _, err = run("train", build, *changes, "--set", "critic_hidden=[8, 8]")
+    assert (status, "training round: 1 seed in runs/round/0001\n" in err) == (0, True)
     found = settings_of(Path("runs/round/0001"))
     assert (found["steps"], found["seeds"], found["beta"]) == (100, 1, 0.25)
     assert (found["segment"], found["critic_hidden"]) == (False, [8, 8])
@@ -258,6 +259,8 @@ def test_resuming_goes_on_with_the_newest_run_of_the_same_plan(build: Path, run:
     assert run("train", build, "-q", "--resume") == (0, "runs/round/0001\n", "")
     assert run("train", "runs/round/0002", "-q", "--resume") == (0, "runs/round/0002\n", "")
     other = "`runs/round/0002` was trained with other settings: steps 30, not 77"
+    _, _, err = run("train", build, "--resume", "--steps", 30)
+    assert "finished already, at step 30\n" in err
     status, _, err = run("train", build, "--resume", "--steps", 77)
     assert status == 2
     assert err == f"error: no run of this plan in `runs/round` to go on with; {other}\n"
