@@ -55,6 +55,8 @@ def test_a_question_that_takes_too_much_work_ends_in_a_clear_error() -> None:
         is_satisfiable(formula, NAMES, Budget.of_work(200, 20))
     with pytest.raises(CompileError, match="more than 2 states"):
         is_satisfiable(formula, NAMES, Budget.of_work(2, 50_000))
+    with pytest.raises(CompileError, match=r"more than 1 state$"):
+        is_satisfiable(formula, NAMES, Budget.of_work(1, 50_000))
 
 
 def test_what_is_found_does_not_depend_on_how_fast_the_machine_is(

@@ -275,6 +275,18 @@ def test_an_environment_that_fails_is_named_with_its_line_and_nothing_is_kept(
     assert not Path("swing.npz").exists()
 
 
+@pytest.mark.parametrize("task", ["flatworld_cycle", "swing.yaml"])
+def test_a_file_without_its_function_is_no_name_of_an_expert(
+    run: Run, swing: Path, task: str
+) -> None:
+    status, _, err = run("demos", "record", task, "--expert", "drive.py")
+    assert status == 1
+    assert err == (
+        "error[DEMO509]: cannot use the expert `drive.py`: it is not `file.py:function`\n"
+        "  = help: name its function too: `drive.py:FUNCTION`\n"
+    )
+
+
 def test_an_expert_that_is_not_there_is_a_finding_that_names_the_known(
     run: Run, workdir: Path
 ) -> None:

@@ -65,6 +65,14 @@ def test_a_folder_without_a_plan_is_said_to_have_none(run: Run, here: Path, verb
     assert run(verb, ".") == (2, "", "error: no plan in `.`; compile a task file first\n")
 
 
+@pytest.mark.parametrize("verb", ["viz", "step", "explain", "check"])
+def test_an_empty_text_is_an_empty_formula_not_the_folder(run: Run, here: Path, verb: str) -> None:
+    status, out, err = run(verb, "")
+    assert (status, out) == (1, "")
+    assert err.startswith("error[LTL201]: cannot read the formula: expected a formula, found not")
+    assert " --> <formula>:1:1\n" in err
+
+
 @pytest.mark.parametrize("verb", ["viz", "step", "explain"])
 def test_a_faulty_automaton_is_a_finding(run: Run, here: Path, verb: str) -> None:
     Path("x.hoa").write_text("HOA: v1\n")

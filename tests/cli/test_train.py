@@ -47,7 +47,7 @@ class Leaver(GridCircularEnv):
 
     def WHERE(self, *given, **named):
         Leaver.calls += 1
-        if Leaver.calls > 120:
+        if Leaver.calls > CALLS:
             sys.exit(0)
         return super().WHERE(*given, **named)
 
@@ -112,7 +112,8 @@ def test_train_prints_the_run_folder_and_leaves_policies(build: Path, run: Run) 
 
 def test_settings_can_be_changed_for_one_run(build: Path, run: Run) -> None:
     changes = ("--steps", "1e2", "--seeds", 1, "--set", "beta=1/4", "--set", "segment=false")
-    assert run("train", build, *changes, "--set", "critic_hidden=[8, 8]", "-q")[0] == 0
+    status, _, err = run("train", build, *changes, "--set", "critic_hidden=[8, 8]")
+    assert (status, "training round: 1 seed in runs/round/0001\n" in err) == (0, True)
     found = settings_of(Path("runs/round/0001"))
     assert (found["steps"], found["seeds"], found["beta"]) == (100, 1, 0.25)
     assert (found["segment"], found["critic_hidden"]) == (False, [8, 8])
@@ -280,6 +281,8 @@ def test_resuming_goes_on_with_the_newest_run_of_the_same_plan(build: Path, run:
     assert run("train", build, "-q", "--resume") == (0, "runs/round/0001\n", "")
     assert run("train", "runs/round/0002", "-q", "--resume") == (0, "runs/round/0002\n", "")
     other = "`runs/round/0002` was trained with other settings: steps 30, not 77"
+    _, _, err = run("train", build, "--resume", "--steps", 30)
+    assert "finished already, at step 30\n" in err
     status, _, err = run("train", build, "--resume", "--steps", 77)
     assert status == 2
     assert err == f"error: no run of this plan in `runs/round` to go on with; {other}\n"
@@ -486,11 +489,12 @@ def test_a_place_where_no_records_can_be_is_noticed_before_training(build: Path,
     assert not Path("runs").exists()
 
 
-@pytest.mark.parametrize("where", ["reset", "step"])
+@pytest.mark.parametrize(("where", "calls"), [("reset", 40), ("step", 120)])
 def test_an_environment_that_ends_the_program_is_a_finding(
-    workdir: Path, run: Run, where: str
+    workdir: Path, run: Run, where: str, calls: int
 ) -> None:
-    (workdir / "leaver.py").write_text(LEAVER.replace("WHERE", where), encoding="utf-8")
+    text = LEAVER.replace("WHERE", where).replace("CALLS", str(calls))
+    (workdir / "leaver.py").write_text(text, encoding="utf-8")
     text = GRID.replace("tiloilc/GridCircular-v0", "leaver:Leaver-v0")
     (workdir / "task.yaml").write_text(text, encoding="utf-8")
     status, out, err = run("run", "task.yaml", "-q")

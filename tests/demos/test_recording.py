@@ -181,14 +181,25 @@ def test_an_unknown_expert_is_a_finding_that_names_the_known() -> None:
         record("tiloilc/FlatWorld-v0", horizon=5, expert="nobody")
     (diagnostic,) = raised.value.diagnostics
     assert diagnostic.code == "DEMO506"
+    assert diagnostic.message == ("there is no scripted expert `nobody` for `tiloilc/FlatWorld-v0`")
     assert diagnostic.help == "its experts: stabilization, cycle, disjunction"
+
+
+def test_a_slip_in_the_name_of_an_expert_is_corrected() -> None:
+    with pytest.raises(CompileError) as raised:
+        record("tiloilc/FlatWorld-v0", horizon=5, expert="cycel")
+    (diagnostic,) = raised.value.diagnostics
+    listed = "its experts: stabilization, cycle, disjunction"
+    assert diagnostic.help == f"did you mean `cycle`? {listed}"
 
 
 def test_an_environment_without_experts_is_a_finding() -> None:
     assert expert_names("CartPole-v1") == ()
     with pytest.raises(CompileError) as raised:
         record("CartPole-v1", horizon=5)
-    assert [d.code for d in raised.value.diagnostics] == ["DEMO506"]
+    (diagnostic,) = raised.value.diagnostics
+    assert diagnostic.code == "DEMO506"
+    assert diagnostic.message == "there is no scripted expert for `CartPole-v1`"
 
 
 def asked(**more: object) -> Demonstrations:

@@ -175,6 +175,7 @@ def test_components_are_compared_with_the_environments() -> None:
     assert check_shape(demos, 1) == []
     (finding,) = check_shape(demos, 3)
     assert finding.code == "DEMO504"
+    assert "demonstrations have 1 component, " in finding.message
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -23,6 +24,7 @@ from tests.cli.running import runner
 from tiloilc.cli.jobs import open_job
 from tiloilc.demos import DemoSet
 from tiloilc.deploy import Policy
+from tiloilc.deploy.actor import Table
 from tiloilc.diag import CompileError
 from tiloilc.evaluate.protocol import VALIDATION
 from tiloilc.evaluate.rollout import Arena, Rollout
@@ -101,6 +103,12 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 
 
 @pytest.fixture(scope="module")
+def grid(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A finished run of a table."""
+    yield from trained(tmp_path_factory.mktemp("grid"), "grid", TASKS["rounds"])
+
+
+@pytest.fixture(scope="module")
 def cloned(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A finished run that began by cloning."""
     yield from trained(tmp_path_factory.mktemp("cloned"), "cloned", CLONED)
@@ -174,6 +182,33 @@ def test_what_is_no_observation_of_the_task_is_refused(
     with pytest.raises(ValueError, match=f"an observation.*{said}"):
         policy.act(observation)
     assert policy.state == before
+
+
+@pytest.mark.parametrize(
+    ("low", "sizes", "observations", "said"),
+    [
+        ([0], [16], [99, -1, -0.5, 1e30], "an observation outside 0…15"),
+        ([1], [4], [0, 5], "an observation outside 1…4"),
+        ([0, 1], [20, 5], [(20, 1), (0, 0), (-1, 3)], "an observation outside [0, 1]…[19, 5]"),
+    ],
+)
+def test_a_place_that_a_table_does_not_have_is_refused(
+    grid: Path, low: list[int], sizes: list[int], observations: list[object], said: str
+) -> None:
+    policy = tiloilc.load_policy(grid)
+    assert isinstance(policy.actor, Table)
+    policy.actor = replace(policy.actor, low=np.array(low), sizes=np.array(sizes))
+    before = policy.state
+    for observation in observations:
+        with pytest.raises(ValueError, match=f"^{re.escape(said)}$"):
+            policy.act(observation)
+    assert policy.state == before
+
+
+def test_a_table_reads_its_corners_and_networks_anything(grid: Path, cloned: Path) -> None:
+    policy = tiloilc.load_policy(grid)
+    assert [policy.act(corner) >= 0 for corner in policy.actor.limits] == [True, True]
+    assert np.isfinite(tiloilc.load_policy(cloned).act([1e9, -1e9])).all()
 
 
 def test_a_policy_is_shown_without_its_weights(run: Path) -> None:

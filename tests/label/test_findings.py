@@ -137,6 +137,8 @@ def test_a_field_outside_the_observation_is_a_finding() -> None:
     compile_predicates({"p": "s > 0"}, FIELDS, size=6)
     with pytest.raises(CompileError, match="SPEC120"):
         compile_predicates({"p": "s > 0"}, FIELDS, size=5)
+    with pytest.raises(CompileError, match="the observation has 1 component;"):
+        compile_predicates({"p": "s > 0"}, {"s": (0, 2)}, size=1)
 
 
 @given(st.text(alphabet="spov[]()0129.,<>=+-*/% anotdrminx_\n", max_size=30))

@@ -132,7 +132,9 @@ def test_two_thousand_goals_end_in_a_clear_error() -> None:
     assert list(irrelevant_propositions(parsed.formula, parsed.propositions)) == []
 
 
-@pytest.mark.parametrize("text", [f"{'F ' * MANY}a", nested("U", MANY, True), "X[9999] a"])
+@pytest.mark.parametrize(
+    "text", [f"{'F ' * MANY}a", nested("U", MANY, True), "X[9999] a", "X[1000000] a"]
+)
 def test_the_commands_refuse_it_too(
     text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

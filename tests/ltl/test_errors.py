@@ -146,6 +146,19 @@ def test_too_deep_a_formula_is_marked_where_the_limit_is_crossed() -> None:
     assert finding.span.column == 5
 
 
+@pytest.mark.parametrize("digits", [7, 50, 5_000])
+@pytest.mark.parametrize("bounded", ["X[{}]", "F[0:{}]", "G[{}:]", "F[{}..$]", "G[{},{}]"])
+def test_bounds_of_any_length_are_too_large_not_no_bounds(bounded: str, digits: int) -> None:
+    text = f"{bounded.replace('{}', '9' * digits)} a"
+    (finding,) = findings(text, None)
+    assert finding.code == "LTL202"
+    assert finding.message == "the formula is too large: operators are nested more than 200 deep"
+
+
+def test_a_bound_may_have_zeros_before_it() -> None:
+    assert parse("X[00000000003] a").formula == parse("X[3] a").formula
+
+
 SNIPPETS = [
     *"abc()!&|^~FGXUWRMV01\"'`@#$%=<>-+*/\\[]{};:,.? \n\t_éω∧◇⊥\x00",
     *["->", "<->", "<>", "[]", "/*", "*/", "true", "until", "weak", "not", "=1", "GFa", "3x", "😀"],

@@ -73,7 +73,8 @@ class Budget:
         """Allow `count` states. Raises CompileError AUT305."""
         self.tick()
         if count > self.max_states:
-            raise too_large(f"it has more than {self.max_states:,} states".replace(",", "_"))
+            states = "state" if self.max_states == 1 else "states"
+            raise too_large(f"it has more than {self.max_states:_} {states}")
 
     def nodes(self, count: int) -> None:
         """Allow `count` diagram nodes. Raises CompileError AUT305."""

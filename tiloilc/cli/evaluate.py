@@ -77,8 +77,8 @@ def _film(run: Path, path: Path, quiet: bool) -> None:
     """
     from tiloilc.deploy import load_policy
     from tiloilc.deploy.film import film_of
-    from tiloilc.driver import write_file
     from tiloilc.report.pictures.film import gif_of, write_mp4
+    from tiloilc.writing import write_file
 
     with guests():
         film, problem = film_of(load_policy(run))

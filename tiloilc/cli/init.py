@@ -36,13 +36,13 @@ def command(
     task is in an environment that exists: its fields are named, and there is a place for an expert.
     With --from, the task file is a copy of another one, together with the files that it names.
     """
-    from tiloilc.spec import MAX_NAME
+    from tiloilc.spec import MAX_NAME, NAME_SIGNS
 
     if source is not None and env is not None:
         raise fail("give --from or --env, not both")
     folder = Path(name)
     if not NAME.fullmatch(folder.name) or len(folder.name) > MAX_NAME:
-        can = f"at most {MAX_NAME} letters, digits, `_`, `-` and `.`"
+        can = f"at most {MAX_NAME} {NAME_SIGNS}"
         raise fail(f"`{folder.name}` cannot name a task: {can}")
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise fail(f"`{folder.as_posix()}` is there already")

@@ -207,9 +207,9 @@ def evaluate_job(job: Job, run: Path, episodes: int | None) -> dict[str, object]
 
     import numpy as np
 
-    from tiloilc.driver import write_file
     from tiloilc.evaluate import protocol, provenance
     from tiloilc.evaluate.landscape import REWARDS, landscape
+    from tiloilc.writing import write_file
 
     source = Path(tiloilc.__file__).parent
     about = {
@@ -244,6 +244,6 @@ def _spent(run: Path) -> float:
 
 
 def _write_json(path: Path, value: Mapping[str, object]) -> None:
-    from tiloilc.driver import write_file
+    from tiloilc.writing import write_file
 
     write_file(path, json.dumps(value) + "\n")

@@ -157,11 +157,11 @@ def _verified_run(
     run: Path, wanted: Wanted, out: Path | None, record: Path | None, quiet: bool
 ) -> Verification:
     """The policies of a run; writes `verify.json`, the picture and records."""
-    from tiloilc.driver import write_file
     from tiloilc.evaluate import append, prepare, records_of_run
     from tiloilc.evaluate.verify import VERIFY, records_of, verify_run
     from tiloilc.report.pictures import png_of, svg_of
     from tiloilc.report.pictures.counterexample import counterexample_picture
+    from tiloilc.writing import write_file
 
     if record is not None:  # what is in the way is found out now
         records_of_run(run)

@@ -10,14 +10,15 @@ import numpy as np
 from tiloilc.automaton.ldba import Edge, Ldba, StateId
 from tiloilc.demos.model import DemoSet
 from tiloilc.demos.replay import Replay
-from tiloilc.diag import Diagnostic, Span
+from tiloilc.diag import Diagnostic, Span, counted
 
 
 def check_shape(demos: DemoSet, dimensions: int, span: Span | None = None) -> list[Diagnostic]:
     """DEMO504 if demonstrated states do not have the environment's `dimensions`."""
     if demos.dimensions == dimensions:
         return []
-    return [Diagnostic.of("DEMO504", span, given=demos.dimensions, expected=dimensions)]
+    given = counted(demos.dimensions, "component")
+    return [Diagnostic.of("DEMO504", span, given=given, expected=dimensions)]
 
 
 def check_replays(

@@ -8,7 +8,6 @@ hand, is read too, and so is one without a sidecar. Equal values give equal byte
 from __future__ import annotations
 
 import json
-import os
 import zipfile
 import zlib
 from collections.abc import Sequence
@@ -21,6 +20,7 @@ import numpy.typing as npt
 
 from tiloilc.demos.model import Actions, Demo, DemoSet, Floats
 from tiloilc.diag import CompileError, Diagnostic, Span
+from tiloilc.writing import write_file
 
 SCHEMA_VERSION = 1
 
@@ -63,8 +63,8 @@ def save(path: Path | str, demos: DemoSet) -> None:
         "steps": [demo.steps for demo in demos.episodes],
     }
     text = json.dumps(meta, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
-    _write(path, archive.getvalue())
-    _write(path.with_suffix(".json"), text.encode())
+    write_file(path, archive.getvalue())
+    write_file(path.with_suffix(".json"), text)
 
 
 def foreign_sidecar(path: Path) -> Path | None:
@@ -105,12 +105,6 @@ def _add(bundle: zipfile.ZipFile, name: str, array: npt.NDArray[np.generic]) -> 
         content, np.ascontiguousarray(array), version=(1, 0), allow_pickle=False
     )
     bundle.writestr(member, content.getvalue())
-
-
-def _write(path: Path, content: bytes) -> None:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    temporary.write_bytes(content)
-    temporary.replace(path)
 
 
 def _arrays(path: Path) -> dict[str, npt.NDArray[np.generic]]:

@@ -123,7 +123,8 @@ def function_expert(reference: str, space: gymnasium.Space[Any]) -> FunctionExpe
     """
     path, _, name = reference.rpartition(":")
     if not path.endswith(".py") or not name.isidentifier():
-        raise _unusable(reference, "it is not `file.py:function`")
+        help = f"name its function too: `{reference}:FUNCTION`" if name.endswith(".py") else ""
+        raise _unusable(reference, "it is not `file.py:function`", help)
     return FunctionExpert(reference, _load(reference, Path(path), name), space)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from tiloilc import __version__
 from tiloilc.demos.model import Demo, DemoSet
-from tiloilc.diag import CompileError, Diagnostic, Span
+from tiloilc.diag import CompileError, Diagnostic, Span, did_you_mean
 from tiloilc.foreign import blamed, checked, dimensions_of
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def record(
     MAX_TRIES are tried. Episode i begins with `reset(seed=seeds[i])`, the expert's own noise is
     drawn from the same seed. `noise` takes the place of the expert's own; 0 is none; so does `laps`
     of the rounds that it makes. Raises CompileError DEMO506 if there is no such expert, DEMO509 if
-    it has no noise or rounds to set, RUN707 if the environment fails.
+    it is no function or has no noise or rounds to set, RUN707 if the environment fails.
     """
     import gymnasium
 
@@ -147,7 +147,7 @@ def _choose(
 ) -> Expert:
     from tiloilc.tasks import experts_of
 
-    if name is not None and ":" in name:
+    if name is not None and (":" in name or name.endswith(".py")):
         from tiloilc.demos.functions import function_expert
 
         return function_expert(name, env.action_space)
@@ -155,11 +155,10 @@ def _choose(
     for expert in experts:
         if name in (None, expert.name):
             return expert
-    known = ", ".join(expert.name for expert in experts)
+    named = "" if name is None else f" `{name}`"
+    help = did_you_mean(name or "", (expert.name for expert in experts), listed="its experts")
     raise CompileError(
-        Diagnostic.of(
-            "DEMO506", span, environment=environment, help=f"its experts: {known}" if known else ""
-        )
+        Diagnostic.of("DEMO506", span, named=named, environment=environment, help=help)
     )
 
 

@@ -100,7 +100,7 @@ def record_best(
     """
     names = expert_names(environment.id, environment.kwargs)
     if not names:
-        raise CompileError(Diagnostic.of("DEMO506", span, environment=environment.id))
+        raise CompileError(Diagnostic.of("DEMO506", span, named="", environment=environment.id))
     recorded = [
         record(
             environment.id,

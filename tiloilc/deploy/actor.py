@@ -43,6 +43,12 @@ class Networks:
         """Numbers in an observation."""
         return int(self.middle.size)
 
+    @property
+    def limits(self) -> tuple[NDArray[Any], NDArray[Any]]:
+        """The least and the greatest observation that can be read, [d] each: any."""
+        infinite = np.full(self.dimensions, np.inf)
+        return -infinite, infinite
+
     def act(self, observations: Floats, states: Int) -> NDArray[Any]:
         """Actions [n, …] in the environment's units, of s [n, d] in b [n]."""
         scaled = self._scaled_action(self._inputs(observations, states))
@@ -85,6 +91,11 @@ class Table:
     def dimensions(self) -> int:
         """Numbers in an observation."""
         return int(self.low.size)
+
+    @property
+    def limits(self) -> tuple[NDArray[Any], NDArray[Any]]:
+        """The least and the greatest observation that can be read, [d] each."""
+        return self.low, self.low + self.sizes - 1
 
     def act(self, observations: Floats, states: Int) -> NDArray[Any]:
         """The actions of greatest value, [n]."""

@@ -12,9 +12,9 @@ from tiloilc import __version__
 from tiloilc.automaton import to_hoa
 from tiloilc.deploy.actor import Networks
 from tiloilc.deploy.policy import Policy
-from tiloilc.driver import write_file
 from tiloilc.plan import automaton_json, digest
 from tiloilc.plan.canonical import Json, canonical
+from tiloilc.writing import write_file
 
 MODEL, AUTOMATON, ABOUT = "policy.onnx", "automaton.hoa", "policy.json"
 EXPORTED = (MODEL, AUTOMATON, ABOUT)

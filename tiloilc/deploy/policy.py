@@ -50,7 +50,8 @@ class Policy:
 
         A dictionary is taken where its values are arrays. Where one of them is a choice
         (`Discrete`) or the task file names parts of observations by itself, ValueError says what
-        to give. Raises ValueError also for another number of numbers, and for what is not finite.
+        to give. Raises ValueError also for another number of numbers, for what is not finite, and
+        for a place that the table of a finite task does not have.
         """
         flat = self.observe(observation)
         return self.actor.act(flat, np.array([self.state]))[0]
@@ -93,6 +94,10 @@ class Policy:
             raise ValueError(f"an observation of {numbers}, the policy reads {read}")
         if not np.isfinite(flat).all():
             raise ValueError("an observation with entries that are not finite numbers")
+        low, high = self.actor.limits
+        if (flat < low).any() or (flat > high).any():
+            first, last = (ends.tolist() if read > 1 else ends[0] for ends in (low, high))
+            raise ValueError(f"an observation outside {first}…{last}")
         return flat
 
     def _joined(self, observation: Mapping[str, object]) -> Floats:

@@ -4,6 +4,7 @@ from tiloilc.diag.core import CompileError, Diagnostic, Severity, SourceText, Sp
 from tiloilc.diag.registry import RULES, Rule
 from tiloilc.diag.render import FORMATS, exit_status, render
 from tiloilc.diag.suggest import did_you_mean, nearest
+from tiloilc.diag.words import counted
 
 __all__ = [
     "FORMATS",
@@ -14,6 +15,7 @@ __all__ = [
     "Severity",
     "SourceText",
     "Span",
+    "counted",
     "did_you_mean",
     "exit_status",
     "nearest",

@@ -61,7 +61,7 @@ RULES: dict[str, Rule] = _rules(
         "SPEC120",
         E,
         "field-outside-observation",
-        "field `{name}` is [{start}, {stop}), but the observation has {size} components",
+        "field `{name}` is [{start}, {stop}), but the observation has {size}",
     ),
     Rule("SPEC121", E, "proposition-name", "`{name}` cannot name a proposition"),
     Rule(
@@ -156,10 +156,10 @@ RULES: dict[str, Rule] = _rules(
         "DEMO504",
         E,
         "demonstration-shape",
-        "demonstrations have {given} components, the environment's observations {expected}",
+        "demonstrations have {given}, the environment's observations {expected}",
     ),
     Rule("DEMO505", E, "no-actions", "{carrier} no actions"),
-    Rule("DEMO506", E, "no-expert", "there is no scripted expert for `{environment}`"),
+    Rule("DEMO506", E, "no-expert", "there is no scripted expert{named} for `{environment}`"),
     Rule(
         "DEMO507",
         E,

@@ -11,7 +11,6 @@ from tiloilc.driver.build import (
     plan_file,
     read_plan,
     write_build,
-    write_file,
     write_plan,
 )
 from tiloilc.driver.settings import (
@@ -37,6 +36,5 @@ __all__ = [
     "read_plan",
     "settings_findings",
     "write_build",
-    "write_file",
     "write_plan",
 ]

@@ -19,7 +19,7 @@ from tiloilc.demos import (
     demonstrations_for,
     replay_all,
 )
-from tiloilc.diag import Diagnostic, Severity, SourceText, Span
+from tiloilc.diag import Diagnostic, Severity, SourceText, Span, counted
 from tiloilc.driver.demonstrations import fit_findings, origin_findings
 from tiloilc.driver.environment import Asked, ask
 from tiloilc.driver.findings import Findings
@@ -204,7 +204,7 @@ def _fit(spec: Spec, asked: Asked, document: Document) -> list[Diagnostic]:
     for name, (start, stop) in spec.fields.items():
         if stop > asked.dimensions:
             span = document.span("observation", name)
-            size = asked.dimensions
+            size = counted(asked.dimensions, "component")
             found.append(
                 Diagnostic.of("SPEC120", span, name=name, start=start, stop=stop, size=size)
             )

@@ -20,6 +20,7 @@ from tiloilc.label import Labeller, compile_predicates
 from tiloilc.plan import Plan, Predicate, from_json, to_json
 from tiloilc.spec import Demonstrations, PythonPredicate, Spec
 from tiloilc.spec.laid import NOTHING, Laid
+from tiloilc.writing import write_file
 
 PLAN = "plan.json"
 DEMOS = "demos.npz"
@@ -170,21 +171,6 @@ def plan_file(path: Path) -> Path:
     return path / PLAN if path.is_dir() else path
 
 
-def write_file(path: Path, data: str | bytes) -> None:
-    """Write `path` under a temporary name beside it and rename: it is whole, or as it was."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data.encode() if isinstance(data, str) else data)
-        mask = os.umask(0o22)
-        os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-
-
 def _inputs(spec: Spec, root: Path) -> dict[str, str]:
     """Digests of the files that the task file names, as far as they are the user's own."""
     files = {
@@ -258,6 +244,5 @@ __all__ = [
     "plan_file",
     "read_plan",
     "write_build",
-    "write_file",
     "write_plan",
 ]

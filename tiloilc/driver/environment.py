@@ -11,7 +11,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tiloilc.diag import CompileError, Diagnostic, did_you_mean
+from tiloilc.diag import CompileError, Diagnostic, counted, did_you_mean
 from tiloilc.foreign import dimensions_of, sized
 from tiloilc.plan import importable
 from tiloilc.spec import Document, Environment
@@ -234,7 +234,7 @@ def _published(env: gymnasium.Env[Any, Any], dimensions: int) -> dict[str, tuple
         else:
             start, stop = int(where), int(where) + 1
         if not 0 <= start < stop <= dimensions:
-            raise ValueError(f"`{name}` is outside the {dimensions} components")
+            raise ValueError(f"`{name}` is outside the {counted(dimensions, 'component')}")
         fields[name] = (start, stop)
     return fields
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 import errno
 import gzip
 import json
-import os
-import tempfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +17,7 @@ from typing import TypeAlias
 
 from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate.alone import alone
+from tiloilc.writing import write_file
 
 __all__ = ["Record", "append", "dedupe", "read", "records_of_run", "split_seeds", "write"]
 
@@ -164,17 +163,7 @@ def write(path: Path, records: Iterable[Record]) -> None:
     """Replace the file by these records: the same records give the same bytes."""
     text = "".join(f"{record.text}\n" for record in records).encode()
     packed = gzip.compress(text, compresslevel=9, mtime=0) if path.suffix == ".gz" else text
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(packed)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    write_file(path, packed, sync=True)
 
 
 def _of_seed(values: Json, place: int, seeds: int, where: str) -> Json:

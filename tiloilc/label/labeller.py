@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tiloilc.diag import CompileError, Diagnostic, SourceText
+from tiloilc.diag import CompileError, Diagnostic, SourceText, counted
 from tiloilc.label.check import Checker
 from tiloilc.label.functions import Array
 from tiloilc.label.python import python_predicate
@@ -112,4 +112,5 @@ def _batched(function: Callable[[Array], NDArray[np.bool_]]) -> Test:
 
 
 def _outside(name: str, start: int, stop: int, size: int) -> Diagnostic:
-    return Diagnostic.of("SPEC120", name=name, start=start, stop=stop, size=size)
+    components = counted(size, "component")
+    return Diagnostic.of("SPEC120", name=name, start=start, stop=stop, size=components)

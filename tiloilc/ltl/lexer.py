@@ -74,9 +74,11 @@ SINGLE_QUOTED = re.compile(r"'((?:[^'\\]|\\.)*)'", re.DOTALL)
 _TWO_WORDS = re.compile(r"(weak)\s+until\b|(strong)\s+release\b")
 _SYMBOL = re.compile("|".join(re.escape(s) for s in sorted(SYMBOL_KINDS, key=len, reverse=True)))
 _BOUNDS = re.compile(
-    r"\s*\[\s*(?P<first>\d{1,6})?\s*"
-    r"(?:(?P<to>:|\.\.|,|to)\s*(?P<last>\d{1,6}|\$|inf)?\s*)?(?P<strong>!)?\s*\]"
+    r"\s*\[\s*(?P<first>\d+)?\s*"
+    r"(?:(?P<to>:|\.\.|,|to)\s*(?P<last>\d+|\$|inf)?\s*)?(?P<strong>!)?\s*\]"
 )
+_DIGITS = 9
+"""A bound of more digits is one as large as these allow: the parser refuses far smaller ones."""
 _FOREIGN = re.compile(r"!=|=(?![01>])=*|=>=|<=(?!>)|>=|<-(?![>-])|:=")
 """Operators of other languages that would be cut into ours."""
 _STRANGE = re.compile(r"\[[^\[\]]{0,40}\]|(.)\1*", re.DOTALL)
@@ -166,13 +168,19 @@ def _with_bounds(text: str, at: int, tokens: list[Token]) -> int:
     kind, first, to, last = tokens[-1].kind, bounds["first"], bounds["to"], bounds["last"]
     if (to is None) != (kind == "NEXT") or (first is None and to is None and not bounds["strong"]):
         return at
-    until = int(last) if last and last.isdigit() else None
-    since = int(first) if first else int(to is None)
+    until = _bound(last) if last and last.isdigit() else None
+    since = _bound(first) if first else int(to is None)
     if until is not None and until < since:
         return at
     name = f"{kind} {since}" + ("" if until is None else f" {until}")
     tokens[-1] = Token("BOUNDED", tokens[-1].start, bounds.end(), name)
     return bounds.end()
+
+
+def _bound(digits: str) -> int:
+    """The number that is written, or the largest that a bound can be."""
+    significant = digits.lstrip("0") or "0"
+    return int(significant) if len(significant) <= _DIGITS else 10**_DIGITS
 
 
 def _single_quoted(text: str, at: int, tokens: list[Token]) -> re.Match[str] | None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tiloilc.report.page.document import render
 from tiloilc.report.runs.run import Run, read_run
+from tiloilc.writing import write_file
 
 __all__ = ["Run", "read_run", "render", "write_report"]
 
@@ -18,7 +19,5 @@ def write_report(runs: Sequence[Path], out: Path) -> Path:
     """
     page = render([read_run(run) for run in runs])
     out.parent.mkdir(parents=True, exist_ok=True)
-    temporary = out.with_name(f".{out.name}.tmp")
-    temporary.write_text(page, encoding="utf-8", newline="\n")
-    temporary.replace(out)
+    write_file(out, page)
     return out

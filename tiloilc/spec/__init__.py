@@ -2,6 +2,7 @@
 
 from tiloilc.spec.model import (
     MAX_NAME,
+    NAME_SIGNS,
     Demonstrations,
     Environment,
     Evaluate,
@@ -16,6 +17,7 @@ from tiloilc.spec.settings import Settings, Train
 
 __all__ = [
     "MAX_NAME",
+    "NAME_SIGNS",
     "Demonstrations",
     "Document",
     "Environment",

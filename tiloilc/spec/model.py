@@ -12,6 +12,9 @@ from tiloilc.spec.settings import Train
 MAX_NAME = 100
 """Characters in the name of a task: what is made of it, with more added, must name a folder."""
 
+NAME_SIGNS = "ASCII letters, digits, `_`, `-` and `.`, the first a letter or digit"
+"""What such a name is made of, in words."""
+
 
 class Environment(Model):
     """Which environment, how it is made, how long an episode is."""

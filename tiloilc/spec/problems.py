@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 
 from tiloilc.diag import Diagnostic, Span, nearest
 from tiloilc.spec.base import Model
-from tiloilc.spec.model import Spec
+from tiloilc.spec.model import NAME_SIGNS, Spec
 from tiloilc.spec.nodes import Node, Scalar, child, entry_at, find, kind_of, shorten
 
 Location = tuple[str | int, ...]
@@ -271,7 +271,7 @@ def _wanted(detail: ErrorDetails) -> str:
         words = [f"`{word}`" for word in _choices([detail])]
         return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
     if kind == "string_pattern_mismatch":
-        return "a name of letters, digits, `_`, `-` and `.`"
+        return f"a name of {NAME_SIGNS}"
     return _WANTED.get(kind.split("_")[0], "")
 
 

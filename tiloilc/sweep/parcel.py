@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from tiloilc.driver import plan_file, read_plan, write_file, write_plan
+from tiloilc.driver import plan_file, read_plan, write_plan
+from tiloilc.writing import write_file
 
 NEEDED = ("python", "environment")
 """Kinds of inputs that training reads itself, beside the build."""

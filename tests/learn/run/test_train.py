@@ -309,6 +309,14 @@ def test_a_damaged_last_checkpoint_is_replaced_by_the_one_before(tmp_path: Path,
     assert_equal_runs(tmp_path / "whole", tmp_path / "run")
 
 
+def test_a_finished_run_that_is_resumed_is_said_to_be_finished(tmp_path: Path) -> None:
+    said: list[str] = []
+    first = go(point(steps=80), tmp_path / "run")
+    again = go(point(steps=80), tmp_path / "run", resume=True, say=said.append)
+    assert said == ["finished already, at step 80"]
+    assert (again.step, again.interrupted) == (first.step, False)
+
+
 def test_a_run_of_other_settings_cannot_be_resumed(tmp_path: Path) -> None:
     go(point(), tmp_path / "run", 30)
     with pytest.raises(CompileError, match="RUN704"):

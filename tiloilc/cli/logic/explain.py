@@ -35,7 +35,7 @@ def command(
     be visited, where the environment says enough to know.
     """
     path = Path(subject)
-    if is_there(path) and path.suffix.lower() != ".hoa":
+    if is_there(subject) and path.suffix.lower() != ".hoa":
         from tiloilc.cli.tasks import plan_of
         from tiloilc.plan.explain import explain
 

@@ -11,6 +11,7 @@ from tiloilc.cli.console import Quiet, fail, guests, say
 from tiloilc.cli.logic.formulas import Propositions, Written
 from tiloilc.cli.logic.stepping import Session, Table, read_word
 from tiloilc.cli.logic.subjects import Subject, subject_of
+from tiloilc.diag import counted
 
 if TYPE_CHECKING:
     from tiloilc.automaton.language.trace import Trace
@@ -72,7 +73,7 @@ def _along_demonstration(known: Subject, number: int, quiet: bool) -> None:
     table.print(trace, counted_from=1)
     lost = "never lost" if run.violates_at is None else f"lost at time {run.violates_at}"
     say(
-        f"demonstration {number}: {_times(run.visits, 'accepting visit')} after the start, {lost}",
+        f"demonstration {number}: {counted(run.visits, 'accepting visit')} after the start, {lost}",
         quiet,
     )
 
@@ -104,8 +105,4 @@ def _along_word(known: Subject, text: str, quiet: bool) -> None:
 
 def _verdict(trace: Trace) -> str:
     lost = ", lost for ever" if trace.lost else ""
-    return f"{_times(trace.visits, 'accepting visit')}{lost}"
-
-
-def _times(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
+    return f"{counted(trace.visits, 'accepting visit')}{lost}"

@@ -45,7 +45,7 @@ def subject_of(text: str, propositions: str | None = None) -> Subject:
     Raises CompileError for a file that cannot be used, Exit for a formula or a missing file.
     """
     path = Path(text)
-    if not is_there(path):
+    if not is_there(text):
         if path.suffix.lower() in FILES or PATH.fullmatch(text):
             raise fail(f"there is no file `{text}`")
         return _of_formula(text, propositions)
@@ -54,10 +54,10 @@ def subject_of(text: str, propositions: str | None = None) -> Subject:
     return _of_task(path)
 
 
-def is_there(path: Path) -> bool:
-    """Whether there is a file or folder of this name."""
+def is_there(name: str) -> bool:
+    """Whether there is a file or folder of this name; of no name, there is none."""
     try:
-        return path.exists()
+        return name != "" and Path(name).exists()
     except (OSError, ValueError):  # a formula can be too long for a name, or have a null byte
         return False
 

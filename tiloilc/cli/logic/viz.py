@@ -57,7 +57,7 @@ def command(
     --env the path of a demonstration has the colours of the automaton's states; x.svg or x.png,
     else svg is printed.
     """
-    from tiloilc.driver import write_file
+    from tiloilc.writing import write_file
 
     if env:
         _environments(source, demo, out, quiet)
@@ -81,8 +81,8 @@ def command(
 
 def _environments(sources: Sequence[str], demo: int, out: Path | None, quiet: bool) -> None:
     from tiloilc.cli.logic.places import environment_drawn
-    from tiloilc.driver import write_file
     from tiloilc.report.pictures import png_of, svg_of
+    from tiloilc.writing import write_file
 
     kind = ".svg"
     if out is not None:

@@ -95,7 +95,7 @@ def train(
     session = _Session(plan, run, make_loop(plan, demos, labels, say), Best(plan.train.seeds))
     kept = session.restore(say) if resume else 0
     settings, loop = plan.train, session.loop
-    last = settings.learning_starts if settings.algorithm == "cloning" else settings.steps
+    last = session.last
     with (
         Events(run / EVENTS, kept) as events,
         Board(run, loop.step if resume else None) as board,
@@ -187,6 +187,12 @@ class _Session:
     resumed: Checkpoint | None = None
 
     @property
+    def last(self) -> int:
+        """The step at which training ends."""
+        settings = self.plan.train
+        return settings.learning_starts if settings.algorithm == "cloning" else settings.steps
+
+    @property
     def seconds(self) -> float:
         """How long this run has been trained."""
         return self.spent + time.monotonic() - self.began
@@ -220,7 +226,9 @@ class _Session:
         self.cloning = under("cloning", state)
         self.resumed, self.spent = resumed, resumed.pointer.seconds
         older = f", from the checkpoint before the last: {resumed.problem}"
-        say(f"going on at step {self.loop.step:,}" + (older if resumed.problem else ""))
+        done = self.loop.step >= self.last
+        how = "finished already," if done else "going on"
+        say(f"{how} at step {self.loop.step:,}" + (older if resumed.problem else ""))
         return resumed.pointer.events_bytes
 
     def judge(self, validate: Validate, events: Events, board: Board) -> Metrics:

@@ -9,7 +9,7 @@ from tiloilc.report.frame import short
 from tiloilc.report.results.rows import Floats, Row
 
 __all__ = [
-    "MADE", "NOT_RUN", "between", "cell", "listed", "one_of", "optimum", "pictures", "seeds",
+    "MADE", "NOT_RUN", "between", "cell", "listed", "optimum", "pictures", "seeds",
     "small", "spread", "table", "whole",
 ]  # fmt: skip
 
@@ -81,11 +81,6 @@ def listed(names: Sequence[str]) -> str:
     if len(names) < 2:
         return "".join(names)
     return f"{', '.join(names[:-1])} and {names[-1]}"
-
-
-def one_of(count: int, noun: str) -> str:
-    """`1 seed`, `2 seeds`."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 def pictures(paths: Sequence[tuple[str, str]]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from tiloilc.diag import counted
 from tiloilc.evaluate import (
     generator,
     interquartile_mean,
@@ -18,7 +19,6 @@ from tiloilc.report.results.markdown import (
     MADE,
     between,
     listed,
-    one_of,
     optimum,
     pictures,
     spread,
@@ -116,7 +116,7 @@ def _overall(book: Book, other: str, both: Both) -> list[str]:
         cells = [f(strata) for f in (_mean, _iqm) for strata in sides]
     return [
         method_name(other),
-        one_of(len(both), "task"),
+        counted(len(both), "task"),
         f"{likely:.2f} {between(interval)}",
         *cells,
     ]

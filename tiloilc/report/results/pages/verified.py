@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import cast
 
+from tiloilc.diag import counted
 from tiloilc.report.results.book import Book
 from tiloilc.report.results.markdown import (
     MADE,
     NOT_RUN,
     listed,
-    one_of,
     seeds,
     small,
     table,
@@ -144,7 +144,7 @@ def _walks(book: Book, tasks: list[str]) -> str:
     )
     walks = listed([_walk(dict(kind)) for kind in kinds])
     missed = [(task, name, run["seed"]) for task, name, run in runs if not _agent(run)["agrees"]]
-    held = f"{len(runs) - len(missed)} of {one_of(len(runs), 'agent')}"
+    held = f"{len(runs) - len(missed)} of {counted(len(runs), 'agent')}"
     text = (
         f"\nBeside that each agent walked in the environment itself: {walks}.\n"
         "A walk is fine without violation and with an accepting visit in its second half. The\n"
