@@ -494,8 +494,8 @@ def test_an_environment_that_ends_the_program_is_a_finding(
     workdir: Path, run: Run, where: str, calls: int
 ) -> None:
     text = LEAVER.replace("WHERE", where).replace("CALLS", str(calls))
-    (workdir / "leaver.py").write_text(text, encoding="utf-8")
-    text = GRID.replace("tiloilc/GridCircular-v0", "leaver:Leaver-v0")
+    (workdir / f"leaver_{where}.py").write_text(text, encoding="utf-8")
+    text = GRID.replace("tiloilc/GridCircular-v0", f"leaver_{where}:Leaver-v0")
     (workdir / "task.yaml").write_text(text, encoding="utf-8")
     status, out, err = run("run", "task.yaml", "-q")
     assert (status, out) == (1, "")
