@@ -88,4 +88,4 @@ def test_a_sweep_outlives_a_node_and_counts_nothing_twice(
     assert out.splitlines()[1].split()[3] == "3"
     assert (job / "records.jsonl.gz").exists()  # the job of the lost node was done on the other
     log = (job / "log.txt").read_text()
-    assert log.count("seeds in") == 2, log  # begun on one node, gone on with on the other
+    assert log.count("training corridor: ") == 2, log  # on one node, then on the other
