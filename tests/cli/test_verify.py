@@ -186,6 +186,9 @@ def test_a_walk_goes_on_where_the_environment_ends_as_its_model_does(
     assert row[:5] == ["0", "1", "7", "states", "20/20"]
     (agent,) = json.loads(Path("runs/lake/0001/verify.json").read_text())["agents"]
     assert agent["agrees"]
+    err = run("verify", "runs/lake/0001", "-o", "x.svg")[2]
+    assert "nothing drawn in `x.svg`: there is no counterexample" in err
+    assert not Path("x.svg").exists()
 
 
 def test_where_nothing_was_validated_the_last_policy_is_meant(

@@ -184,6 +184,9 @@ def _verified_run(
         say(f"wrote {picture.as_posix()}", quiet)
     elif out is None:
         picture.unlink(missing_ok=True)  # of an earlier verification
+    else:
+        why = "the task has no map" if found.counterexamples else "there is no counterexample"
+        say(f"nothing drawn in `{out.as_posix()}`: {why}", quiet)
     return found
 
 
