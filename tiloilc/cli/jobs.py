@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import tiloilc
 from tiloilc.cli.console import fail, guests, say
 from tiloilc.cli.settings import changed
+from tiloilc.diag import counted
 
 if TYPE_CHECKING:
     from tiloilc.demos import DemoSet
@@ -146,6 +147,8 @@ def train_job(job: Job, run: Path, resume: bool, quiet: bool) -> float:
     """
     import typer
 
+    agents = counted(job.plan.train.seeds, "seed")
+    say(f"training {job.plan.name}: {agents} in {run.as_posix()}", quiet)
     with _alone(run), _swept(run, resume):
         from tiloilc.cli.progress import Progress
         from tiloilc.evaluate.protocol import Validator

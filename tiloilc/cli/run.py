@@ -19,7 +19,6 @@ from tiloilc.cli.jobs import (
 from tiloilc.cli.settings import demonstrations_given, settings_given
 from tiloilc.cli.train import Device, Resume, Runs, Seeds, Set, Steps
 from tiloilc.cli.verdict import verdict
-from tiloilc.diag import counted
 
 Record = Annotated[
     Path | None,
@@ -68,8 +67,6 @@ def command(
         say(f"compiled to {build.as_posix()}", quiet)
     with open_job(build, settings, quiet) as job:
         run = run_to_resume(build, job, runs) if resume else new_run(job, runs)
-        agents = counted(job.plan.train.seeds, "seed")
-        say(f"training {job.plan.name}: {agents} in {run.as_posix()}", quiet)
         seconds = train_job(job, run, resume, quiet)
         say(f"trained in {seconds:.0f} s; evaluating", quiet)
         evaluation = evaluate_job(job, run, None)

@@ -137,7 +137,7 @@ def command(
     if dry_run:
         print(listing(sweep, done))
         return
-    for file in {one.records for one in experiments}:
+    for file in dict.fromkeys(one.records for one in experiments):
         prepare(file)
     with _stoppable():
         sweep = sweeps.Sweep(experiments, sweeps.collect(sweep), folder)

@@ -7,10 +7,9 @@ from typing import Annotated
 
 import typer
 
-from tiloilc.cli.console import Quiet, say
+from tiloilc.cli.console import Quiet
 from tiloilc.cli.jobs import RUNS, new_run, open_job, run_to_resume, train_job
 from tiloilc.cli.settings import settings_given
-from tiloilc.diag import counted
 
 Steps = Annotated[
     str | None, typer.Option("--steps", help="Environment steps per seed, instead of the plan's.")
@@ -46,7 +45,5 @@ def command(
     """
     with open_job(plan, settings_given(changes or [], steps, seeds, device), quiet) as job:
         run = run_to_resume(plan, job, runs) if resume else new_run(job, runs)
-        agents = counted(job.plan.train.seeds, "seed")
-        say(f"training {job.plan.name}: {agents} in {run.as_posix()}", quiet)
         train_job(job, run, resume, quiet)
     print(run.as_posix())

@@ -125,10 +125,12 @@ def command(
         checked_suffix(out, "a counterexample is drawn as", ".svg", ".png")
     if walk is not None and method is Method.SIMULATE:
         raise fail("--walk goes beside what is exact, and --method simulate leaves that out")
+    from tiloilc.deploy import usual_policy
     from tiloilc.evaluate.verify import Wanted
 
+    run = Path(subject)
     wanted = Wanted(
-        policy=None if policy is None else policy.value,
+        policy=usual_policy(run) if policy is None else policy.value,
         method=(method or Method.AUTO).value,
         seed=seed,
         episodes=episodes,
@@ -138,7 +140,6 @@ def command(
         time_limit=time_limit,
         steps=walk,
     )
-    run = Path(subject)
     if run.is_dir() and ((run / EVENTS).is_file() or (run / "checkpoints").is_dir()):
         found = _verified_run(run, wanted, out, record, quiet)
     else:

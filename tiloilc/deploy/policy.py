@@ -115,18 +115,22 @@ class Policy:
         return flat
 
 
+def usual_policy(run: Path) -> str:
+    """The policy of a run that is meant where none is named: the best by validation, or the last
+    where nothing was validated."""
+    return "best" if (run / "checkpoints/best.safetensors").is_file() else "last"
+
+
 def load_policy(run: str | Path, *, seed: int | None = None, policy: str | None = None) -> Policy:
     """The policy of one agent that the run in the folder `run` left.
 
-    `policy` is one of NAMES; without it, the best by validation, or the last where nothing was
-    validated. `seed` is one of the run's seeds; without it, the one that did best. Raises
-    CompileError RUN706 if the run is not finished, RUN708 if it has no such policy or the policy
-    cannot act alone, RUN701 if it cannot be read.
+    `policy` is one of NAMES; without it, the usual one. `seed` is one of the run's seeds; without
+    it, the one that did best in validation. Raises CompileError RUN706 if the run is not finished,
+    RUN708 if it has no such policy or the policy cannot act alone, RUN701 if it cannot be read.
     """
     run = Path(run)
     plan = load_plan(run, of_run=True)
-    if policy is None:
-        policy = "best" if (run / "checkpoints/best.safetensors").is_file() else "last"
+    policy = policy or usual_policy(run)
     arrays = _read(run, policy)
     first, count = plan.train.first_seed, plan.train.seeds
     walk = walk_tables(plan.ldba, plan.train.epsilon)

@@ -20,7 +20,16 @@ from tiloilc.diag import CompileError, Diagnostic
 from tiloilc.evaluate.alone import alone
 from tiloilc.writing import write_file
 
-__all__ = ["Record", "append", "dedupe", "read", "records_of_run", "split_seeds", "write"]
+__all__ = [
+    "Record",
+    "append",
+    "dedupe",
+    "prepare",
+    "read",
+    "records_of_run",
+    "split_seeds",
+    "write",
+]
 
 Json: TypeAlias = "bool | int | float | str | list[Json] | dict[str, Json] | None"
 

@@ -14,7 +14,6 @@ from tiloilc.learn.run.train import (
     load_policy,
     train,
     trained_agent,
-    usual_policy,
 )
 
 __all__ = [
@@ -34,5 +33,4 @@ __all__ = [
     "make_loop",
     "train",
     "trained_agent",
-    "usual_policy",
 ]

@@ -31,7 +31,7 @@ from tiloilc.evaluate.verify.results import (
 )
 from tiloilc.evaluate.verify.simulated import Simulation, Trials, expert_trials
 from tiloilc.evaluate.verify.storm import Ask, Storm, Unanswered, has_storm, require_storm
-from tiloilc.learn import Agent, Labels, load_policy, make_loop, usual_policy
+from tiloilc.learn import Agent, Labels, load_policy, make_loop
 from tiloilc.plan import Plan
 from tiloilc.product import walk_tables
 
@@ -56,13 +56,12 @@ TIME_LIMIT = 600.0
 class Wanted:
     """What is to be verified, and how. `seed` is one agent of the run's, None all of them.
 
-    Without `policy` it is the best by validation, or the last where nothing was validated.
     Without `episodes` there are as many as `half_width` needs whatever comes, or EPISODES.
     `time_limit` [s] is for each of Storm's answers. Beside what is exact each agent walks `steps`
     steps as often, if there are any.
     """
 
-    policy: str | None = None
+    policy: str = "best"
     method: Method = "auto"
     seed: int | None = None
     episodes: int | None = None
@@ -114,8 +113,6 @@ def verify_run(
     Raises CompileError RUN706 if the run is not finished, RUN708 if it has no such policy or agent,
     RUN713 if it cannot be done exactly and should, RUN714 if the environment belies its model.
     """
-    require_finished(run)
-    wanted = replace(wanted, policy=wanted.policy or usual_policy(run))
     agent, places = _agent(plan, demos, labels, run, wanted)
     model, why = model_of(plan)
     if why and (wanted.method == "exact" or wanted.steps is not None):
@@ -176,7 +173,7 @@ def _exactly(
     failures.sort(key=lambda entry: (entry[0], entry[1].seed))
     best = maximum(model, letters, plan, ask)
     shown = tuple(counterexample for _, counterexample in failures)
-    return Verification(plan, wanted.policy or "", tuple(judged), None, best, shown)
+    return Verification(plan, wanted.policy, tuple(judged), None, best, shown)
 
 
 def _walked(
@@ -221,7 +218,7 @@ def _simulated(
     about = _about(plan, trials, wanted, seeds)
     judged = tuple(Judged(seed, found) for seed, found in zip(seeds, sampled, strict=True))
     shown = _shown(simulation, plan, trials, wanted, places)
-    return Verification(plan, wanted.policy or "", judged, about, None, shown)
+    return Verification(plan, wanted.policy, judged, about, None, shown)
 
 
 def _about(plan: Plan, trials: Trials, wanted: Wanted, seeds: tuple[int, ...]) -> Simulated:
@@ -276,7 +273,7 @@ def _agent(
     plan: Plan, demos: DemoSet, labels: Labels, run: Path, wanted: Wanted
 ) -> tuple[Agent, list[int]]:
     """The agents with the policies wanted, and the places of those that are verified."""
-    assert wanted.policy is not None
+    require_finished(run)
     policy = load_policy(run, wanted.policy)
     first, count = plan.train.first_seed, plan.train.seeds
     problem = ""

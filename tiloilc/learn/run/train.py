@@ -95,7 +95,7 @@ def train(
     session = _Session(plan, run, make_loop(plan, demos, labels, say), Best(plan.train.seeds))
     kept = session.restore(say) if resume else 0
     settings, loop = plan.train, session.loop
-    last = session.last
+    last = settings.steps_taken
     with (
         Events(run / EVENTS, kept) as events,
         Board(run, loop.step if resume else None) as board,
@@ -123,12 +123,6 @@ def train(
             events.write("end", loop.step)
             session.write_policies()
     return outcome
-
-
-def usual_policy(run: Path) -> str:
-    """The policy of a finished run that is meant where none is named: the best by validation, or
-    the last where nothing was validated."""
-    return "best" if (run / CHECKPOINTS / "best.safetensors").is_file() else "last"
 
 
 def load_policy(run: Path, name: str) -> State | None:
@@ -187,12 +181,6 @@ class _Session:
     resumed: Checkpoint | None = None
 
     @property
-    def last(self) -> int:
-        """The step at which training ends."""
-        settings = self.plan.train
-        return settings.learning_starts if settings.algorithm == "cloning" else settings.steps
-
-    @property
     def seconds(self) -> float:
         """How long this run has been trained."""
         return self.spent + time.monotonic() - self.began
@@ -226,7 +214,7 @@ class _Session:
         self.cloning = under("cloning", state)
         self.resumed, self.spent = resumed, resumed.pointer.seconds
         older = f", from the checkpoint before the last: {resumed.problem}"
-        done = self.loop.step >= self.last
+        done = self.loop.step >= self.plan.train.steps_taken
         how = "finished already," if done else "going on"
         say(f"{how} at step {self.loop.step:,}" + (older if resumed.problem else ""))
         return resumed.pointer.events_bytes
